@@ -1,16 +1,16 @@
 """Alignment on fluid films: figures asked beside those measured, on misaligned plants of other make than the estimator.
 
 Each plant is identified seven times, six of them as a baseline before its coupling moves; runs differ by 1 % in stiffness, 5
-% in damping and 5 % in the viscosity of their oil. One half of the plants are motors and compressors around the reference,
-the other half of random proportions; one supply oils all bearings, whose viscosities differ by 3 %. One line a figure;
+% in damping and 5 % in the viscosity of their oil. One half of the plants are drawn around a motor and compressor, the other
+half around a turbine and its generator; one supply oils all bearings, whose viscosities differ by 3 %. One line a figure;
 status 1 where one falls short. Coverage is judged from 20 plants on. `--short` takes one plant of each kind and about a
 minute. Run-outs of couplings are tried on two machines of each kind.
 
 `--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
-the service's own assessment; with `--results FOLDER` what was computed is not computed again, and with `--kept` besides
-nothing is computed: the figures are those of the machines that the folder keeps.
+the service's own assessment. With `--results FOLDER` what was computed is not computed again, and with `--kept` besides
+nothing is computed: the figures are those of the plants, or of the fleet's machines, that the folder keeps.
 
-    python -m benchmarks.alignment [--short] [--plants N] [--only flexible|rigid …]
+    python -m benchmarks.alignment [--short] [--plants N] [--results FOLDER [--kept]] [--only flexible|rigid …]
     python -m benchmarks.alignment --fleet N [--weeks W] [--results FOLDER [--kept]] [--only …]
 """
 
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--fleet", type=int, help="number of machines with each kind of coupling, for each thing that happens")
     parser.add_argument("--weeks", type=int, default=26, help="weeks that they live, the baseline's six included")
     parser.add_argument("--results", type=Path, help="folder that keeps what became of each machine")
-    parser.add_argument("--kept", action="store_true", help="tell only of the machines that the folder keeps")
+    parser.add_argument("--kept", action="store_true", help="tell only of what the folder keeps")
     parser.add_argument("--only", nargs="*", choices=KINDS)
     chosen = parser.parse_args(arguments)
     kept = True
@@ -47,11 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with threadpool_limits(limits=1):
         for kind in chosen.only or KINDS:
             told = (
-                figures(kind, SHORT_PLANTS if chosen.short else chosen.plants)
+                figures(kind, SHORT_PLANTS if chosen.short else chosen.plants, folder=chosen.results, kept_only=chosen.kept)
                 if chosen.fleet is None
                 else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, folder=chosen.results, kept_only=chosen.kept)
             )
-            for figure in told if chosen.fleet is not None else itertools.chain(told, run_out_figures(kind, RUN_OUT_PLANTS)):
+            run_outs = chosen.fleet is None and not chosen.kept
+            for figure in itertools.chain(told, run_out_figures(kind, RUN_OUT_PLANTS)) if run_outs else told:
                 print(figure, flush=True)
                 kept &= figure.kept
     if not kept:

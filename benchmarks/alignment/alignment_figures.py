@@ -1,10 +1,11 @@
 """Figures of alignment: how many intervals hold, how wide they are, how often an angle is determined."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks.alignment.alignment_trials import AlignmentTrial, ReportedInterval, alignment_trial
+from benchmarks.alignment.alignment_trials import AlignmentTrial, ReportedInterval, kept_trials, trial_of
 from benchmarks.fluid_film.film_fits import LEAST_OF_A_KIND
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.motor_compressor import CouplingKind
@@ -23,9 +24,16 @@ QUANTITIES = ("offset", "angle", "load")
 VERTICAL = "coupling.C1.offset_vertical"
 
 
-def figures(kind: CouplingKind, plants: int) -> Iterator[ReportLine]:
-    """Yield the figures of plants with one kind of coupling."""
-    trials = [alignment_trial(seed, kind) for seed in range(plants)]
+def figures(kind: CouplingKind, plants: int, *, folder: Path | None = None, kept_only: bool = False) -> Iterator[ReportLine]:
+    """Yield the figures of plants with one kind of coupling.
+
+    folder: keeps what became of each plant. kept_only: only those of the plants that it keeps.
+    """
+    seeds: Sequence[int] = kept_trials(kind, folder) if kept_only and folder is not None else range(plants)
+    trials = [trial_of(seed, kind, folder) for seed in seeds]
+    plants = len(trials)
+    if not trials:
+        return
     runs = sum(one.runs for one in trials)
     accepted = 1.0 - sum(len(one.verdicts) for one in trials) / runs
     yield ReportLine(
@@ -40,7 +48,8 @@ def figures(kind: CouplingKind, plants: int) -> Iterator[ReportLine]:
         ("absolute, with gap", [each for one in trials for each in one.centred]),
     ):
         yield from _coverage(what, told, judged=plants >= FEWEST)
-    for which, own in (("motor-compressors", trials[::2]), ("random trains", trials[1::2])):
+    for which, odd in (("motor-compressors", 0), ("turbine-generators", 1)):
+        own = [one for seed, one in zip(seeds, trials, strict=True) if seed % 2 == odd]
         if own:
             yield _width(f"vertical offset, {which}", [each for one in own for each in one.absolute], WIDEST[kind])
             yield _width("    with gap", [each for one in own for each in one.centred], WIDEST_CENTRED[kind])

@@ -1,13 +1,17 @@
 """Trials of alignment: a misaligned plant of other make, a baseline of its runs, and one run after its coupling has moved."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from msgspec import structs
 
 from benchmarks.fluid_film.film_trials import OPTIONS
 from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.load_change import load_changes
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
@@ -20,8 +24,7 @@ from tests.film_plant.documents import film_document, measured, measured_gaps
 from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, true_alignment
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import motor_compressor_plant, random_plant
-from tests.film_plant.proportions import Design
+from tests.film_plant.plants import reference_plant
 from tests.film_plant.scatter import run_of
 from tests.film_plant.scores import film_result_truths
 
@@ -63,7 +66,7 @@ class AlignmentTrial:
         verdicts: Verdicts of the runs that were refused.
         runs: Number of runs.
         absolute: Offsets, angles and loads that one run determines.
-        changes: Changes of offsets and angles against the baseline that are determined, and of loads between two runs.
+        changes: Changes against the baseline: of offsets and angles that are determined, and of loads.
         withheld: Offsets and angles that one run does not determine, by name.
         centred: Offsets, angles and loads that the same run determines with its shaft centreline.
     """
@@ -77,11 +80,31 @@ class AlignmentTrial:
 
 
 def plant_of(seed: int, kind: CouplingKind) -> Plant:
-    """Return a misaligned plant: of even seeds a motor and compressor, of odd ones a train of random proportions."""
-    alter, size = left_off(kind), DiscrepancySize()
-    if seed % 2 == 0:
-        return motor_compressor_plant(seed, kind, priors=ONE_SUPPLY, discrepancy=size, alter=alter)
-    return random_plant(seed, design=Design(coupling=kind), priors=ONE_SUPPLY, discrepancy=size, alter=alter)
+    """Return a misaligned plant: of even seeds a motor and compressor, of odd ones a turbine and its generator."""
+    return reference_plant(seed, kind, priors=ONE_SUPPLY, discrepancy=DiscrepancySize(), alter=left_off(kind))
+
+
+def trial_of(seed: int, kind: CouplingKind, folder: Path | None) -> AlignmentTrial:
+    """Return what became of a plant; from the folder where it was computed before."""
+    path = None if folder is None else folder / f"trial-{kind}-{seed}.json"
+    if path is not None and path.exists():
+        return _restored(json.loads(path.read_text(encoding="utf-8")))
+    found = alignment_trial(seed, kind)
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(asdict(found)), encoding="utf-8")
+    return found
+
+
+def kept_trials(kind: CouplingKind, folder: Path) -> list[int]:
+    """Return the seeds of the plants that a folder keeps."""
+    return sorted(int(one.stem.rpartition("-")[2]) for one in folder.glob(f"trial-{kind}-*.json"))
+
+
+def _restored(said: dict[str, Any]) -> AlignmentTrial:
+    intervals = {name: tuple(ReportedInterval(**one) for one in said[name]) for name in ("absolute", "changes", "centred")}
+    texts = {name: tuple(said[name]) for name in ("verdicts", "withheld")}
+    return AlignmentTrial(**(said | intervals | texts))
 
 
 def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
@@ -95,17 +118,17 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
     refused = tuple(one.verdict for one in fits if not one.accepted)
     if not (fits[0].accepted and fits[-1].accepted):
         return AlignmentTrial(refused, len(runs))
-    first, last = derived_quantities(machine, fits[0]), derived_quantities(machine, fits[-1])
-    truths = [true_alignment(one) | _loads(one, machine) for one in (runs[0], runs[-1])]
-    absolute = _absolute(first, truths[0])
+    first = derived_quantities(machine, fits[0])
+    truth = true_alignment(runs[0]) | _loads(runs[0], machine)
+    absolute = _absolute(first, truth)
     alignment = true_alignment(plant)
     return AlignmentTrial(
         refused,
         len(runs),
         absolute,
-        (*_changes(machine, fits, plant, later), *_load_changes(first, last, truths)),
+        tuple(_changes(machine, fits, plant, later, runs[-1])),
         tuple(one.name for one in first if one.name in alignment and one.value is None),
-        _with_centreline(machine, runs[0], fits[0], seed, truths[0]),
+        _with_centreline(machine, runs[0], fits[0], seed, truth),
     )
 
 
@@ -135,30 +158,22 @@ def _loads(plant: Plant, machine: Machine) -> dict[str, complex]:
     return {name: value for name, value in film_result_truths(plant, reported_rpm(machine)).items() if ".load_" in name}
 
 
-def _changes(machine: Machine, fits: Sequence[Identification], plant: Plant, later: Plant) -> list[ReportedInterval]:
-    """Return the changes of offsets and angles against the baseline's accepted runs that are determined."""
-    models = [updated_model(machine, one) for one in fits if one.accepted]
+def _changes(
+    machine: Machine, fits: Sequence[Identification], plant: Plant, later: Plant, last: Plant
+) -> Iterator[ReportedInterval]:
+    """Yield the changes against the baseline's accepted runs: of offsets and angles that are determined, and of all loads.
+
+    last: plant as it is in the last run. The baseline's loads are those of the plant without the scatter of single runs.
+    """
+    *baseline, newest = [updated_model(machine, one) for one in fits if one.accepted]
     before, after = true_alignment(plant), true_alignment(later)
-    found = []
-    for one in alignment_changes(models[:-1], models[-1]):
-        half = CONFIDENCE_95 * one.error
+    for one in alignment_changes(baseline, newest):
         if one.error <= PRIOR_PART * one.believed:
-            found.append(
-                ReportedInterval(one.name, one.value - half, one.value + half, (after[one.name] - before[one.name]).real)
-            )
-    return found
+            yield _around(one.name, one.value, one.error, (after[one.name] - before[one.name]).real)
+    first, now = _loads(plant, machine), _loads(last, machine)
+    for load in load_changes(baseline, newest):
+        yield _around(load.name, load.value, load.error, (now[load.name] - first[load.name]).real)
 
 
-def _load_changes(
-    first: Sequence[Derived], last: Sequence[Derived], truths: Sequence[dict[str, complex]]
-) -> list[ReportedInterval]:
-    """Return the changes of loads between two runs, with the errors of both as if they were independent."""
-    before, found = {one.name: one for one in first}, []
-    for one in last:
-        other = before.get(one.name)
-        if ".load_" not in one.name or other is None or one.value is None or other.value is None:
-            continue
-        half = float(np.hypot(_interval(one, 0.0).half, _interval(other, 0.0).half))
-        change, true = one.value - other.value, (truths[1][one.name] - truths[0][one.name]).real
-        found.append(ReportedInterval(one.name, change - half, change + half, true))
-    return found
+def _around(name: str, value: float, error: float, true: float) -> ReportedInterval:
+    return ReportedInterval(name, value - CONFIDENCE_95 * error, value + CONFIDENCE_95 * error, true)

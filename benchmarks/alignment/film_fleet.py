@@ -26,8 +26,6 @@ from tests.film_plant.plant import noisy
 from tests.film_plant.scatter import run_of
 from tests.film_plant.statics import NoEquilibrium
 
-BASELINE = 6
-"""Runs of a baseline."""
 SAMPLES = 150
 OPTIONS = Options(starts=2)
 WEEK_NS = 7 * 86_400 * 1_000_000_000
@@ -60,6 +58,7 @@ class FleetRecord:
     Attributes:
         seed, kind, happening, onset: Of its history.
         weeks: Weeks of it, the baseline's included.
+        baseline: Runs of its baseline.
         refused: Weeks whose fit was refused.
         opened: Alerts that were opened or got worse.
         standing: Per week after the baseline, rule, element and severity of the alerts that stand.
@@ -75,6 +74,7 @@ class FleetRecord:
     happening: str
     onset: int
     weeks: int
+    baseline: int
     refused: tuple[int, ...]
     opened: tuple[OpenedAlert, ...]
     standing: tuple[tuple[tuple[str, str, str], ...], ...]
@@ -160,8 +160,9 @@ class _Life:
 
     def _judge(self, week: int) -> None:
         accepted = [one for one in self.runs if one.fit.accepted]
-        baseline = accepted[:BASELINE]
-        after = [one for one in self.runs if len(baseline) == BASELINE and one.id > baseline[-1].id]
+        wanted = self.history.baseline
+        baseline = accepted[:wanted]
+        after = [one for one in self.runs if len(baseline) == wanted and one.id > baseline[-1].id]
         if not after or after[-1].id != week:
             return
         context = AssessmentContext(
@@ -200,13 +201,14 @@ def _lived(history: FilmHistory, weeks: int) -> FleetRecord:
         standing.append(
             tuple((finding_rule(kind).rule.name, element, one.label) for (kind, element), one in life.standing.items())
         )
-    before = float(np.mean([history.offset(week) for week in range(BASELINE)]))
+    before = float(np.mean([history.offset(week) for week in range(history.baseline)]))
     return FleetRecord(
         seed=history.seed,
         kind=history.kind,
         happening=history.happening,
         onset=history.onset,
         weeks=weeks,
+        baseline=history.baseline,
         refused=tuple(one.id for one in life.runs if not one.fit.accepted),
         opened=tuple(life.opened),
         standing=tuple(standing),

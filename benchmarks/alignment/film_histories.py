@@ -3,7 +3,7 @@
 Weekly run-downs. One supply oils all bearings, whose viscosities differ by 3 %. Films scatter by 1 % in stiffness and 5 % in
 damping, the oil's weather by 5 % of viscosity (some 2 K); over the year the oil is up to 10 K warmer and colder, and the
 second shaft's pedestals grow by 1 µm/K against the first's, with either sign. A third of the machines is misaligned by half
-of what is allowed from the beginning. In every other machine the oil's temperature is sent.
+of what is allowed from the beginning. In every other machine the oil's temperature is sent. Baselines are of 5 to 8 runs.
 """
 
 import math
@@ -17,19 +17,32 @@ import scipy.optimize
 from estimator.alignment.tolerance import AllowedAlignment, allowed_alignment
 from estimator.machine.document import Machine, parse_machine
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import film_document
+from tests.film_plant.documents import film_document, with_pedestals
 from tests.film_plant.misalignment import ONE_SUPPLY, moved
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.oil import walther
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import motor_compressor_plant, random_plant
-from tests.film_plant.proportions import Design
+from tests.film_plant.plants import reference_plant
 from tests.film_plant.train import ConstantOil, Train
 
-Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face"]
-HAPPENINGS: tuple[Happening, ...] = ("healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face")
+Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face", "pedestal"]
+HAPPENINGS: tuple[Happening, ...] = (
+    "healthy",
+    "step",
+    "beyond",
+    "within",
+    "wear",
+    "unbalance",
+    "gain",
+    "bore",
+    "face",
+    "pedestal",
+)
 """Events of a history: nothing; the second shaft sinks by the step that is asked, by twice and by half of what is allowed; a
-clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %; the coupling's bore or face runs out by `RUN_OUTS`."""
+clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %; the coupling's bore or face runs out by `RUN_OUTS`; of a
+machine on pedestals the stiffness of one falls by 20 %."""
+PEDESTAL_SPREAD = 0.2
+"""Spread of pedestals' numbers that documents state, and by which they are off [-]."""
 RUN_OUTS: dict[Happening, dict[CouplingKind, tuple[float, float]]] = {
     "bore": {"rigid": (2e-6, 0.0), "flexible": (5e-6, 0.0)},
     "face": {"rigid": (0.0, 10e-6), "flexible": (0.0, 50e-6)},
@@ -40,6 +53,8 @@ STEPS: dict[CouplingKind, float] = {"rigid": 20e-6, "flexible": 100e-6}
 BELIEVED = replace(ONE_SUPPLY, elevation=150e-6, rigid_elevation=150e-6)
 SEASON_K, GROWTH = 10.0, 1e-6
 """Amplitude of the oil's season [K], and growth of pedestals against each other [m/K]."""
+SHORTEST_BASELINE, LONGEST_BASELINE = 5, 8
+"""Fewest and most runs of a baseline."""
 WEEKS_A_YEAR = 52
 GRADE = 46
 
@@ -49,7 +64,8 @@ class FilmHistory:
     """One machine's history.
 
     Attributes:
-        seed: Seed of everything that is drawn; of even ones the plant is a motor and compressor, of odd ones a random train.
+        seed: Seed of everything that is drawn; of even ones the plant is a motor and compressor, of odd ones a turbine and its
+            generator.
         kind: Kind of its coupling.
         happening: What happens to it.
         onset: Week from which on it has happened.
@@ -60,6 +76,11 @@ class FilmHistory:
     happening: Happening
     onset: int
 
+    @property
+    def baseline(self) -> int:
+        """Return of how many runs its baseline is."""
+        return int(np.random.default_rng([self.seed, 5]).integers(SHORTEST_BASELINE, LONGEST_BASELINE + 1))
+
     @cached_property
     def sent(self) -> bool:
         """Return whether the oil's temperature is sent."""
@@ -68,11 +89,13 @@ class FilmHistory:
     @cached_property
     def plant(self) -> Plant:
         """Return the plant as it begins: a third of them misaligned by half of what is allowed."""
-        size = DiscrepancySize()
-        if self.seed % 2 == 0:
-            found = motor_compressor_plant(self.seed, self.kind, priors=ONE_SUPPLY, discrepancy=size)
-        else:
-            found = random_plant(self.seed, design=Design(coupling=self.kind), priors=ONE_SUPPLY, discrepancy=size)
+        found = reference_plant(
+            self.seed,
+            self.kind,
+            priors=ONE_SUPPLY,
+            discrepancy=DiscrepancySize(),
+            pedestals=self.happening == "pedestal",
+        )
         left = 0.5 * self.allowed_by(found).offset if self.seed % 3 == 0 else 0.0
         return replace(found, train=moved(found.train, offset=np.array([0.0, left]), angle=np.zeros(2)))
 
@@ -85,6 +108,8 @@ class FilmHistory:
     def document(self) -> dict[str, Any]:
         """Return the plant's document, with the oil's temperature where it is sent."""
         said = film_document(self.plant, priors=BELIEVED)
+        if self.happening == "pedestal":
+            said = with_pedestals(said, self.plant, spread=PEDESTAL_SPREAD, seed=self.seed)
         if self.sent:
             said["conditions"] = [{"name": "oil", "unit": "degC"}]
             for bearing in said["bearings"]:
@@ -131,6 +156,8 @@ class FilmHistory:
         train = _thickened(train, thicker)
         if week >= self.onset and self.happening == "wear":
             train = _worn(train, self.number, 1.15)
+        if week >= self.onset and self.happening == "pedestal":
+            train = _softened(train, self.number, 0.8)
         if week >= self.onset and self.happening == "unbalance":
             train = _unbalanced(train, self.number, 1.5)
         if week >= self.onset and self.happening in RUN_OUTS:
@@ -141,7 +168,8 @@ class FilmHistory:
     @property
     def number(self) -> int:
         """Return the place of the bearing, disc or probe that something happens to."""
-        many = {"wear": len(self.plant.train.bearings), "unbalance": len(self.plant.train.discs)}
+        bearings = len(self.plant.train.bearings)
+        many = {"wear": bearings, "pedestal": bearings, "unbalance": len(self.plant.train.discs)}
         return self.seed % many.get(self.happening, len(self.machine.probes))
 
     @property
@@ -151,6 +179,7 @@ class FilmHistory:
             "step": ("misalignment", "coupling.C1"),
             "beyond": ("misalignment", "coupling.C1"),
             "wear": ("wear", f"bearing.B{self.number + 1}"),
+            "pedestal": ("pedestal", f"pedestal.P{self.number + 1}"),
             "unbalance": ("unbalance", f"disc.D{self.number + 1}"),
             "gain": ("sensor", f"probe.{self.machine.probes[self.number].id}"),
             "bore": ("rotating_coupling", "coupling.C1"),
@@ -181,6 +210,16 @@ def _worn(train: Train, number: int, factor: float) -> Train:
         replace(one, clearance=factor * one.clearance) if place == number else one for place, one in enumerate(train.bearings)
     )
     return replace(train, bearings=bearings)
+
+
+def _softened(train: Train, number: int, factor: float) -> Train:
+    bearings = []
+    for place, one in enumerate(train.bearings):
+        assert one.pedestal is not None
+        x, y = one.pedestal.stiffness
+        softer = replace(one.pedestal, stiffness=(factor * x, factor * y))
+        bearings.append(replace(one, pedestal=softer) if place == number else one)
+    return replace(train, bearings=tuple(bearings))
 
 
 def _unbalanced(train: Train, number: int, factor: float) -> Train:

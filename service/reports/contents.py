@@ -64,7 +64,7 @@ class ReportedFit:
     """The newest accepted identification until the end of the period, with its runs.
 
     measured_at: when its run was. baseline: those that it is compared with, oldest first; reference: the runs of the first.
-    missing: why there is no baseline, in words.
+    missing: why there is no baseline, in words. causes: kind and element of those that its diagnosis names.
     """
 
     measured_at: datetime
@@ -73,6 +73,7 @@ class ReportedFit:
     baseline: tuple[Identified, ...]
     reference: tuple[UsedRun, ...]
     missing: str
+    causes: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

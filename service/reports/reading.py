@@ -26,7 +26,7 @@ from service.wording.language import Language
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.clock import now, to_datetime
-from storage.findings import identifications
+from storage.findings import diagnoses, identifications
 from storage.machines import balancings, machines, timeline
 from storage.measurements import runs
 from storage.tables.findings import IdentificationRow
@@ -147,4 +147,5 @@ def _fit(session: Session, newest: IdentificationRow, baseline_runs: int) -> Rep
         baseline=baseline,
         reference=tuple(used_runs(session, baseline[0], baseline[0].run_ids[-1:])) if baseline else (),
         missing=found.missing or "",
+        causes=diagnoses.named_causes(diagnoses.of_identification(session, newest.id)),
     )

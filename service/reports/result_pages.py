@@ -152,7 +152,7 @@ def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
         return muted(contents.language.translate("report.other_unknowns"))
-    changes = tolerated_changes(fit.one.machine, alignment_changes(models, fit.one.model))
+    changes = tolerated_changes(fit.one.machine, alignment_changes(models, fit.one.model, causes=fit.causes))
     columns = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
     heads = [contents.language.translate(f"report.{one}") for one in columns]
     return table(heads, [_aligned(one, contents.language) for one in changes]) if changes else ""

@@ -34,3 +34,8 @@ def newest(session: Session, machine_id: str) -> DiagnosisRow | None:
     query = select(DiagnosisRow).where(DiagnosisRow.machine_id == machine_id)
     query = query.order_by(DiagnosisRow.measured_at.desc(), DiagnosisRow.identification_id.desc())
     return session.scalars(query.limit(1)).one_or_none()
+
+
+def named_causes(row: DiagnosisRow | None) -> tuple[tuple[str, str], ...]:
+    """Return kind and element of the causes of a diagnosis; none without one."""
+    return () if row is None else tuple((one["kind"], one["element"]) for one in row.causes)

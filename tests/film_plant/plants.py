@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tests.film_plant.around_references import MOTOR_COMPRESSOR, SPEED, TURBINE_GENERATOR, train_around
 from tests.film_plant.discrepancy import Discrepancy, DiscrepancySize
 from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
 from tests.film_plant.oil import HeatedOil
 from tests.film_plant.other_trains import other_train
 from tests.film_plant.plant import RPM, Plant
-from tests.film_plant.proportions import Design, believed_train
+from tests.film_plant.proportions import Design, believed_train, placed, standing
 from tests.film_plant.statics import Equilibrium, NoEquilibrium
 from tests.film_plant.train import ConstantOil, Oil, Train
 
@@ -120,6 +121,36 @@ def motor_compressor_plant(
         return _checked(Plant(f"motor-compressor {seed}", truth, believed, slowest, fastest))
 
     return _with_discrepancy(_first(draw, f"truth of seed {seed}"), discrepancy, rng)
+
+
+def reference_plant(
+    seed: int,
+    kind: CouplingKind = "flexible",
+    *,
+    priors: Priors = PRIORS,
+    discrepancy: DiscrepancySize | None = None,
+    alter: Alteration = unaltered,
+    pedestals: bool = False,
+) -> Plant:
+    """Draw a train around a reference, of even seeds a motor and compressor, of odd ones a turbine and its generator.
+
+    Otherwise as `random_plant`; believed and true train are drawn anew together.
+
+    pedestals: Whether bearings stand on pedestals with resonances inside the speed range.
+    """
+    rng = np.random.default_rng([seed, 24])
+    reference = TURBINE_GENERATOR if seed % 2 else MOTOR_COMPRESSOR
+
+    def draw() -> Plant | None:
+        believed = train_around(reference, kind, rng)
+        fastest = reference.fastest * RPM * float(rng.uniform(1.0 - SPEED, 1.0 + SPEED))
+        if pedestals:
+            stood = tuple(standing(one, fastest, rng) for one in believed.bearings)
+            believed = placed(replace(believed, bearings=stood))
+        truth = alter(_truth(believed, rng, priors, kind), rng, fastest)
+        return _checked(Plant(f"{reference.name} {seed}", truth, believed, reference.slowest * RPM, fastest))
+
+    return _with_discrepancy(_first(draw, f"train of seed {seed}"), discrepancy, rng)
 
 
 def _first(draw: Callable[[], Plant | None], what: str) -> Plant:

@@ -1,12 +1,14 @@
 """Alignment of a machine's couplings, and by how much it has changed against the baseline."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Literal
 
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
 from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.freed_coordinates import NamedCause
 from estimator.alignment.targets import TargetedAlignment, targeted_alignment
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
 from estimator.machine.film_speeds import follows_films
@@ -19,6 +21,7 @@ from service.api.findings.deviations import ChosenIdentification, chosen_compari
 from service.api.findings.model import cached_result, read_identified
 from service.identification.stored_model import Identified, identified
 from service.security.requirement import VIEWER
+from storage.findings import diagnoses
 from storage.machines import machines
 
 router = APIRouter(tags=["models"], responses=RESPONSES, dependencies=[VIEWER])
@@ -71,7 +74,8 @@ class AlignmentOut(ComparedOut):
 def read_alignment(request: Request, machine_id: MachineId, which: ChosenIdentification = None) -> AlignmentOut:
     """Read offset and angle of each coupling, and by how much they have changed against the baseline.
 
-    A change is known better than either alignment: what is uncertain of the films is the same in all runs.
+    A change is known better than either alignment: what is uncertain of the films is the same in all runs. What other causes
+    of the diagnosis have moved, such as a worn bearing's clearance, is left open.
     """
     with database(
         request
@@ -80,6 +84,8 @@ def read_alignment(request: Request, machine_id: MachineId, which: ChosenIdentif
         fields = compared_fields(session, compared, {})
         number, kind = compared.identification.id, compared.identification.run_kind
         baseline = () if compared.missing is not None else tuple(row.id for row in compared.baseline)
+        diagnosis = diagnoses.newest(session, machine_id) if which is None else diagnoses.of_identification(session, number)
+        causes = diagnoses.named_causes(diagnosis)
         # Targets are those of today's document: an alignment may be left anew without another train.
         today = machines.document(session, machine_id)
     if not follows_films(read_identified(request, number).machine):
@@ -89,18 +95,24 @@ def read_alignment(request: Request, machine_id: MachineId, which: ChosenIdentif
         with database(request).reading() as reading:
             return [identified(reading, one) for one in baseline]
 
-    _, (absolute, changes) = cached_result(request, number, ("alignment", baseline), _alignment, given=read_baseline)
+    compute = partial(_alignment, causes=causes)
+    _, (absolute, changes) = cached_result(request, number, ("alignment", baseline, causes), compute, given=read_baseline)
     if baseline and not changes:
         fields["missing"] = "the baseline was identified with other unknowns: identify its runs again"
     targets = targeted_alignment(today, absolute, kind) if follows_films(today) else ()
     return AlignmentOut(**fields, numbers=list(_numbers(absolute, changes, {one.name: one for one in targets})))
 
 
-def _alignment(one: Identified, baseline: list[Identified]) -> tuple[Quantities, tuple[ToleratedChange, ...]]:
-    """Return alignment and its changes; no changes without a baseline of the same unknowns."""
+def _alignment(
+    one: Identified, baseline: list[Identified], causes: Sequence[NamedCause]
+) -> tuple[Quantities, tuple[ToleratedChange, ...]]:
+    """Return alignment and its changes, as the alert tells them; no changes without a baseline of the same unknowns.
+
+    causes: those that the machine's diagnosis has named.
+    """
     models = [each.model for each in baseline]
     comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
-    changes = tolerated_changes(one.machine, alignment_changes(models, one.model)) if comparable else ()
+    changes = tolerated_changes(one.machine, alignment_changes(models, one.model, causes=causes)) if comparable else ()
     return alignment_quantities(one.model), changes
 
 

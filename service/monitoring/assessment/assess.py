@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 
+from estimator.diagnosis.alignment_size import alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.change_progress import ChangeProgress, change_progress
 from estimator.diagnosis.data_faults import is_uninformative
@@ -21,7 +22,6 @@ from estimator.machine.film_speeds import follows_films
 from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.trend_tests import DatedPoint
-from service.monitoring.assessment.alignment_size import alignment_size, learnt
 from service.monitoring.assessment.context import (
     WEEK,
     AssessedRun,
@@ -35,6 +35,7 @@ from service.monitoring.assessment.context import (
 from service.monitoring.assessment.load_changes import load_changes
 from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
 from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
+from service.monitoring.assessment.run_models import learnt, run_model
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
@@ -162,16 +163,12 @@ def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis:
     """Return the causes of a diagnosis with their size, their form, and the run with which each began and how it went on."""
     machine = context.machine
     amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
+    explanations = _explanations(context, compared, diagnosis, amplitude)
+    together = [one.cause for one in explanations]
     causes = []
-    for number, named in enumerate(diagnosis.causes):
-        found = explained(context, diagnosis, number)
-        if found.cause is not named and not all(
-            _reaches_limit(context, one, _size(context, compared, one, amplitude)) for one in (named, found.cause)
-        ):
-            # A 2× raises no alert where there would be none, and sets none aside for what raises none.
-            found = Explanation(named, diagnosis.runners_up[number])
+    for found, named in zip(explanations, diagnosis.causes, strict=True):
         cause = found.cause
-        size = _size(context, compared, cause, amplitude)
+        size = _size(context, compared, cause, together, amplitude)
         place = compared.watch.began(cause, compared.observations)
         others = [one for one in diagnosis.causes if one is not named and one.names]
         progress = _progress(context, compared, SizedChange(cause, size, amplitude), others, place)
@@ -191,6 +188,24 @@ def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis:
             )
         )
     return tuple(causes)
+
+
+def _explanations(
+    context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis, amplitude: Mapping[str, float]
+) -> list[Explanation]:
+    """Return each cause as the 2× has it: it raises no alert where there would be none, and sets none aside for what raises
+    none."""
+
+    def is_told(cause: Cause) -> bool:
+        return _reaches_limit(context, cause, _size(context, compared, cause, diagnosis.causes, amplitude))
+
+    explanations = []
+    for number, named in enumerate(diagnosis.causes):
+        found = explained(context, diagnosis, number)
+        if found.cause is not named and not (is_told(named) and is_told(found.cause)):
+            found = Explanation(named, diagnosis.runners_up[number])
+        explanations.append(found)
+    return explanations
 
 
 def _reaches_limit(context: AssessmentContext, cause: Cause, size: ChangeSize) -> bool:
@@ -234,13 +249,21 @@ def _progress(
 
 
 def _size(
-    context: AssessmentContext, compared: BaselineComparison, cause: Cause, amplitude: Mapping[str, float]
+    context: AssessmentContext,
+    compared: BaselineComparison,
+    cause: Cause,
+    together: Sequence[Cause],
+    amplitude: Mapping[str, float],
 ) -> ChangeSize:
-    """Return the size of a cause; that of a misalignment on oil films is the change of alignment that is told elsewhere."""
+    """Return the size of a cause; that of a misalignment on oil films is the change of alignment that is told elsewhere.
+
+    together: all causes of the machine's change.
+    """
     if cause.kind != MISALIGNMENT.name or compared.variation is None:
         return change_size(cause, compared.watch.reference, amplitude=amplitude)
     newest = next((run for run in reversed(compared.after) if run.fit.accepted), compared.after[-1])
-    return alignment_size(context.machine, cause, context.baseline, newest, compared.variation)
+    models = [run_model(context.machine, run) for run in (*context.baseline, newest)]
+    return alignment_size(cause, models[:-1], models[-1], variation=compared.variation, causes=together)
 
 
 def _cleared_causes(

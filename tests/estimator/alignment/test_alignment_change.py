@@ -53,19 +53,27 @@ def fitted(theta: Floats, seen: Floats, rng: np.random.Generator) -> UpdatedMode
     return replace(MODEL, values=COORDINATES.point(COORDINATES.centre + found), covariance=covariance * np.outer(unit, unit))
 
 
-def trial(seed: int) -> tuple[Floats, Floats, Floats]:
-    """True changes (4,), told ones with their errors (4, 2), and errors of the alignment of the later run alone (4,)."""
+WORN = "bearing.B2"
+"""Bearing that wears in some trials."""
+
+
+def trial(seed: int, *, worn: float = 0.0, named: bool = False) -> tuple[Floats, Floats, Floats]:
+    """True changes (4,), told ones with their errors (4, 2), and errors of the alignment of the later run alone (4,).
+
+    worn: growth of a clearance's logarithm. named: whether it is told that the bearing is worn.
+    """
     rng = np.random.default_rng(seed)
     unbalances = np.array([describe(name).quantity == "unbalance" for name in COORDINATES.names])
     scale = np.where(unbalances, 1e-5, COORDINATES.spread)
     machine = COORDINATES.centre + np.where(unbalances, 0.0, scale * rng.standard_normal(scale.size))
     moved = np.array([float("elevation" in name) for name in COORDINATES.names]) * rng.standard_normal(scale.size)
+    grown = np.array([worn * float(name == f"{WORN}.clearance") for name in COORDINATES.names])
     fits = []
     for run in range(BASELINE + 1):
-        theta = machine + drawn_variation(rng, COORDINATES) + (moved if run == BASELINE else 0.0)
+        theta = machine + drawn_variation(rng, COORDINATES) + (moved + grown if run == BASELINE else 0.0)
         fits.append(fitted(theta, 2.0 * rng.standard_normal((ROWS, scale.size)) / scale, rng))
     alone = alignment_results(fits[-1])
-    told = alignment_changes(fits[:-1], fits[-1], variation=VARIATION)
+    told = alignment_changes(fits[:-1], fits[-1], variation=VARIATION, causes=[("wear", WORN)] if named else ())
     true = [one.slope @ (COORDINATES.unit * moved) for one in alone]
     return np.array(true), np.array([[one.value, one.error] for one in told]), np.array([one.error for one in alone])
 
@@ -75,6 +83,15 @@ def test_changes_err_by_what_is_told() -> None:
     z = np.array([(told[:, 0] - true) / told[:, 1] for true, told, _ in trials])
     assert 0.85 < np.sqrt(np.mean(z**2)) < 1.15
     assert 0.9 < np.mean(np.abs(z) < 1.96) < 0.99
+
+
+def test_beside_a_worn_bearing_that_is_named_changes_err_by_what_is_told() -> None:
+    def rms(*, named: bool) -> float:
+        trials = [trial(seed, worn=0.3, named=named) for seed in range(TRIALS)]
+        return float(np.sqrt(np.mean([((told[:, 0] - true) / told[:, 1]) ** 2 for true, told, _ in trials])))
+
+    assert 0.85 < rms(named=True) < 1.15
+    assert rms(named=False) > 1.5, "the wear would not have been mistaken for a change of alignment"
 
 
 def test_what_the_runs_have_in_common_cancels() -> None:
@@ -116,6 +133,25 @@ def test_runs_of_which_some_doubt_a_force_are_compared() -> None:
     assert [change.name for change in found] == list(NAMES)
     assert all(change.value == pytest.approx(0.0, abs=1e-12) for change in found)
     assert len(alignment_changes([plain, plain], doubting, variation=VARIATION)) == len(NAMES)
+
+
+def test_runs_that_all_doubt_a_force_by_sizes_of_their_own_are_compared_as_those_that_doubt_none() -> None:
+    """Its coordinate would have another unit in each of them."""
+    load = StaticLoad.model_validate({"id": "gear", "shaft": "S1", "station": 0.5, "force_y": 100.0})
+    machine = MODEL.machine.model_copy(update={"static_loads": (load,)})
+    plain = replace(expected_model(machine), covariance=np.diag((0.1 * COORDINATES.unit * COORDINATES.spread) ** 2))
+
+    def doubting(size: float) -> UpdatedModel:
+        opened, stated = with_open_forces(machine, {"static_load.gear.force_y": size})
+        covariance = np.diag([*np.diag(plain.covariance), size**2])
+        return model_at(opened, (*plain.coordinates, "static_load.gear.force_y"), np.append(plain.values, stated), covariance)
+
+    expected = alignment_changes([plain] * 3, plain, variation=VARIATION)
+    for sizes in ((3.0, 30.0, 90.0, 20.0), (30.0, 30.0, 30.0, 30.0)):
+        *before, later = map(doubting, sizes)
+        found = alignment_changes(before, later, variation=VARIATION)
+        for one, other in zip(found, expected, strict=True):
+            assert one.error == pytest.approx(other.error, rel=1e-6)
 
 
 def test_trains_without_films_have_none() -> None:

@@ -11,6 +11,8 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.updated_model.derived_quantities import Derived
 from service.advice.alert_advice import alert_advice, alert_message
 from service.advice.site_texts import SiteTexts
+from service.reports.period import ReportPeriod
+from service.reports.reading import read_contents
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.database.engine import Database
@@ -107,6 +109,24 @@ def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(week
     shown = re.search(r"lies ([\d.]+) ± ([\d.]+) µm lower", words_of(alert))
     assert shown is not None
     assert float(shown[1]) == pytest.approx(-1e6 * change["value"], abs=0.6)
+
+
+def test_beside_a_worn_bearing_alert_table_and_report_tell_the_offset_that_is_there(weeks: Weeks) -> None:
+    weeks.file(sunk(120e-6) | {"bearing.B2.clearance": 0.15}, times=2)
+    by_rule = {one.rule: one for one in weeks.alerts()}
+    assert set(by_rule) == {"misalignment", "wear"}
+    told = by_rule["misalignment"].evidence["quantities"]
+    half = told["offset_vertical_half_width_um"]
+    assert told["offset_vertical_um"] == pytest.approx(-120.0, abs=half)
+    table = {one["name"]: one for one in Api(weeks.database).value(f"/machines/{MACHINE.id}/alignment")["numbers"]}
+    change = table["coupling.C1.offset_vertical"]["change"]
+    assert 1e6 * change["value"] == pytest.approx(told["offset_vertical_um"], rel=1e-6)
+    assert 5e5 * (change["upper"] - change["lower"]) == pytest.approx(half, rel=1e-4)
+    period = ReportPeriod(START, START + 60 * WEEK)
+    with weeks.database.reading() as session:
+        fit = read_contents(session, MACHINE.id, period, texts=SiteTexts(), baseline_runs=BASELINE).fit
+    assert fit is not None
+    assert set(fit.causes) == {("misalignment", "coupling.C1"), ("wear", "bearing.B2")}
 
 
 def test_what_is_within_tolerance_is_told_as_a_change(weeks: Weeks) -> None:

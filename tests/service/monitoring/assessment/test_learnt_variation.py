@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.monitoring.assessment import alignment_size
-from service.monitoring.assessment.alignment_size import learnt
+from service.monitoring.assessment import run_models
 from service.monitoring.assessment.context import WEEK, AssessedRun
+from service.monitoring.assessment.run_models import learnt
 from tests.estimator.alignment.drawn_runs import MODEL, drawn_machine, drawn_run, fitted
 from tests.estimator.diagnosis.test_film_reference import VARIATION, observed
 
@@ -22,9 +22,9 @@ def baseline(seed: int, *, times: float = 1.0) -> list[AssessedRun]:
 
 
 def test_a_baseline_that_is_read_again_is_not_learnt_from_again() -> None:
-    first, before = learnt(MODEL.machine, baseline(1)), alignment_size._learnt.cache_info()
+    first, before = learnt(MODEL.machine, baseline(1)), run_models._learnt.cache_info()
     assert learnt(MODEL.machine, baseline(1)) == first
-    after = alignment_size._learnt.cache_info()
+    after = run_models._learnt.cache_info()
     assert (after.hits, after.misses) == (before.hits + 1, before.misses)
 
 

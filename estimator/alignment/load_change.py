@@ -1,0 +1,88 @@
+"""Change of the static loads on a train's oil films between a baseline and a later run: errors that all runs share cancel.
+
+Two runs' loads err alike: the difference of two loads with errors of their own would be told several times too wide
+(`run_change`).
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.alignment.freed_coordinates import NamedCause
+from estimator.alignment.run_change import run_change
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.film_speeds import reported_rpm
+from estimator.statics.journal_states import journal_states
+from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.film_results import placed_films
+from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.uncertainty import standard_errors
+
+AXES = (("horizontal", 0), ("vertical", 1))
+"""Directions of loads, with their axes."""
+
+
+@dataclass(frozen=True)
+class LoadChange:
+    """Change of the load on a film at running speed.
+
+    Attributes:
+        name: Name of the load, such as `bearing.B2.load_vertical`.
+        value: By how much it is larger than in the baseline [N].
+        error: Standard error of that [N].
+    """
+
+    name: str
+    value: float
+    error: float
+
+
+def load_changes(
+    baseline: Sequence[UpdatedModel],
+    later: UpdatedModel,
+    *,
+    variation: HealthyVariation | None = None,
+    causes: Iterable[NamedCause] = (),
+) -> tuple[LoadChange, ...]:
+    """Estimate by how much the loads on a train's films differ from those of a baseline (JCGM 100:2008, 5.2).
+
+    Where the oil's temperature is measured, both are at that of the later run.
+
+    Args:
+        baseline: Models of the baseline's runs, at least one, of one machine.
+        later: Model of the later run.
+        variation: How the machine varies while it is healthy; None to learn it from the baseline.
+        causes: Kind and element of what else is known to have happened since, as `run_change` takes them.
+
+    Returns:
+        The changes, bearing by bearing; none of a train whose coefficients do not follow from films, or without equilibrium.
+
+    Raises:
+        ValueError: There is no baseline, or it is of another machine.
+    """
+    change = run_change(baseline, later, variation=variation, causes=causes)
+    if change is None:
+        return ()
+    speed = np.array([rpm_to_rad_per_s(reported_rpm(later.machine)[-1])])
+    placed_at = placed_films(change.later.coordinates_at(speed))
+    if placed_at is None:
+        return ()
+    placed, films = placed_at
+    first, last = (
+        journal_states(films, placed.own(theta), speed=speed) for theta in (change.before, change.before + change.run)
+    )
+    if first is None or last is None:
+        return ()
+    slopes = last.force_slope[-1]
+    own = placed.numbers[: slopes.shape[-1]]
+    covariance = change.run_covariance[np.ix_(own, own)]
+    return tuple(
+        LoadChange(
+            name=f"bearing.{bearing.id}.load_{direction}",
+            value=float(last.force[-1, number, axis] - first.force[-1, number, axis]),
+            error=float(standard_errors(slopes[number, axis], covariance)),
+        )
+        for number, bearing in enumerate(later.machine.bearings)
+        for direction, axis in AXES
+    )

@@ -1,0 +1,54 @@
+"""Models of a machine's assessed runs, and how a machine on oil films varies from run to run, learnt from its baseline."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+from estimator.alignment.healthy_films import learnt_variation
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.document import Machine
+from estimator.machine.under_conditions import under_conditions
+from estimator.updated_model.model import UpdatedModel, model_at
+from service.monitoring.assessment.context import AssessedRun
+
+REMEMBERED = 4
+"""Baselines of which the variation is remembered: a process mostly assesses a few machines in turns."""
+
+
+def run_model(machine: Machine, run: AssessedRun) -> UpdatedModel:
+    """Return the model that a run's identification led to, under its own operating conditions."""
+    return model_at(under_conditions(machine, run.conditions), run.fit.coordinates, run.fit.point, run.fit.covariance)
+
+
+@dataclass(frozen=True, eq=False)
+class _BaselineContents:
+    """A machine's baseline, equal to another of the same contents: each assessment reads it anew."""
+
+    machine: Machine
+    runs: tuple[AssessedRun, ...]
+
+    @cached_property
+    def contents(self) -> bytes:
+        """Return a digest of all that the variation follows from."""
+        found = hashlib.sha256(self.machine.model_dump_json().encode())
+        for one in self.runs:
+            found.update(repr((one.fit.coordinates, sorted(one.conditions.items()))).encode())
+            found.update(one.fit.point.tobytes() + one.fit.covariance.tobytes())
+        return found.digest()
+
+    def __hash__(self) -> int:
+        return hash(self.contents)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _BaselineContents) and self.contents == other.contents
+
+
+def learnt(machine: Machine, baseline: Sequence[AssessedRun]) -> HealthyVariation:
+    """Return how a machine on oil films varies from run to run, from its baseline; remembered for the last few of these."""
+    return _learnt(_BaselineContents(machine, tuple(baseline)))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _learnt(baseline: _BaselineContents) -> HealthyVariation:
+    return learnt_variation([run_model(baseline.machine, one) for one in baseline.runs])
