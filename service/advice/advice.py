@@ -12,7 +12,7 @@ from service.advice.urgency import urgency
 from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
 from service.monitoring.rules.drift_rule import RATE_RULE
-from service.monitoring.rules.finding_catalogue import finding_name, is_finding, rule_of_kind
+from service.monitoring.rules.finding_catalogue import finding_at, is_finding, rule_of_kind
 from service.wording.described_finding import DescribedFinding
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import UNITS, compared_words, described_parts, part_words, rounded, second_order_words
@@ -59,12 +59,7 @@ def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
 
 def plain_message(kind: str, element: str, language: Language = ENGLISH) -> str:
     """Return the message on a finding of which only kind and element are known."""
-    name = language.element(element)
-    words = (
-        language.translate("itself", element=name)
-        if element.startswith(f"{kind}.")
-        else language.translate("finding_of", finding=finding_name(kind, language), element=name)
-    )
+    words = finding_at(kind, element, language)
     return words[:1].upper() + words[1:]
 
 
@@ -121,6 +116,7 @@ def _certainty(finding: DescribedFinding) -> Certainty:
     runs, sigma, evidence = said.get("runs"), said.get("sigma"), said.get("evidence")
     others = said.get("runners_up") or []
     next_best = plain_message(others[0]["kind"], others[0]["element"], language) if others else None
+    within = finding_at(others[0]["kind"], others[0]["element"], language) if others else ""
     words = language.translate("sure.beyond_chance")
     if sigma is not None and list(finding.parts()):
         words = language.translate("sure.sigma", sigma=float(sigma))
@@ -131,14 +127,9 @@ def _certainty(finding: DescribedFinding) -> Certainty:
         lead = evidence - others[0]["evidence"]
         many = lead > LARGEST_EXPONENT
         factor = language.translate("sure.million") if many else rounded(2.718281828**lead, 2, language)
-        words += language.translate("sure.lead", factor=factor, next=_within(next_best, language))
-    words += second_order_words(finding, "" if next_best is None else _within(next_best, language))
+        words += language.translate("sure.lead", factor=factor, next=within)
+    words += second_order_words(finding, within)
     return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
-
-
-def _within(words: str, language: Language) -> str:
-    """Return words as they stand within a sentence: German ones begin with a noun, which keeps its capital."""
-    return words if language.code == "de" else words[:1].lower() + words[1:]
 
 
 def _actions(texts: FindingTexts, severity: Severity | None) -> Iterator[Action]:

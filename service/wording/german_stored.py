@@ -192,16 +192,16 @@ GERMAN_STORED: Mapping[str, str] = {
     "{count} not-accepted": "{count} außerhalb der zulässigen Drehzahlen",
     # --- gaps beside a fit
     "with the shaft centreline of {count} channels, χ²/dof {reduced}": (
-        "mit der Wellenmittellinie von {count} Kanälen, χ²/Freiheitsgrad {reduced}"
+        "mit der Wellenlage von {count} Kanälen, χ²/Freiheitsgrad {reduced}"
     ),
     "the shaft centreline is left out: it does not fit together with the vibration, χ²/dof {reduced}": (
-        "die Wellenmittellinie ist ausgelassen: sie passt nicht mit der Schwingung zusammen, χ²/Freiheitsgrad {reduced}"
+        "die Wellenlage ist ausgelassen: sie passt nicht mit der Schwingung zusammen, χ²/Freiheitsgrad {reduced}"
     ),
     (
         "the gap of {channel} jumps by {size} µm at {speed} r/min and is left out: the probe, its holder or its cable has "
         "moved"
     ): (
-        "der Spalt von {channel} springt bei {speed} 1/min um {size} µm und ist ausgelassen: der Sensor, sein Halter oder "
+        "der Spalt von {channel} springt bei {speed} 1/min um {size} µm und ist ausgelassen: der Aufnehmer, sein Halter oder "
         "sein Kabel hat sich bewegt"
     ),
     "the gap of {channel} does not move as the journals do, χ²/dof {reduced}": (
@@ -229,7 +229,7 @@ GERMAN_STORED: Mapping[str, str] = {
     ),
     "the opposite sense of rotation": "umgekehrter Drehrichtung",
     "phases in rad that were sent as degrees": "Phasen in rad, die als Grad gesendet wurden",
-    "the probes of every pair swapped with each other": "den Sensoren jedes Paares untereinander vertauscht",
+    "the probes of every pair swapped with each other": "den Aufnehmern jedes Paares untereinander vertauscht",
     "{probes} swapped with each other": "{probes} untereinander vertauscht",
     "0-to-peak amplitudes that were sent as peak-to-peak": "Scheitelwerten, die als Spitze-Spitze-Werte gesendet wurden",
     "peak-to-peak amplitudes that were sent as 0-to-peak": "Spitze-Spitze-Werten, die als Scheitelwerte gesendet wurden",
@@ -289,10 +289,10 @@ GERMAN_STORED: Mapping[str, str] = {
     # --- orbits
     "whether {channels} are swapped cannot be seen: {why}": "ob {channels} vertauscht sind, ist nicht zu sehen: {why}",
     "whether {channel} is swapped cannot be seen: {why}": "ob {channel} vertauscht ist, ist nicht zu sehen: {why}",
-    "one probe alone sees no orbit": "ein Sensor allein sieht keinen Orbit",
-    "the probes look along one line": "die Sensoren messen entlang einer Linie",
+    "one probe alone sees no orbit": "ein Aufnehmer allein sieht keine Wellenbahn",
+    "the probes look along one line": "die Aufnehmer messen entlang einer Linie",
     "the model's own orbit is forward for {part} % of all unbalances only": (
-        "der Orbit des Modells selbst läuft nur für {part} % aller Unwuchten gleichläufig um"
+        "die Wellenbahn des Modells selbst läuft nur für {part} % aller Unwuchten gleichläufig um"
     ),
     "{samples} samples below {speed} rpm, where it is certain": "{samples} Messwerte unter {speed} 1/min, wo es sicher ist",
     "{fewest} are needed": "{fewest} sind nötig",
@@ -300,23 +300,23 @@ GERMAN_STORED: Mapping[str, str] = {
         "die Drehzahlen unter {speed} 1/min, wo es sicher ist, liegen zu dicht beieinander"
     ),
     "the orbit is small beside those elsewhere, so it may turn either way": (
-        "der Orbit ist klein gegen die anderen und kann daher in beiden Richtungen umlaufen"
+        "die Wellenbahn ist klein gegen die anderen und kann daher in beiden Richtungen umlaufen"
     ),
-    "the orbit is too flat or too small for the noise": "der Orbit ist zu flach oder zu klein für das Rauschen",
+    "the orbit is too flat or too small for the noise": "die Wellenbahn ist zu flach oder zu klein für das Rauschen",
     "the document gives no stiffness of bearing {names}": "das Dokument gibt keine Steifigkeit von Lager {names} an",
     "the document's machine has no critical speed": "die Maschine des Dokuments hat keine kritische Drehzahl",
     "the orbits at all {count} pairs of probes turn backward: the sense of rotation is wrong, or every pair is swapped": (
-        "die Orbits an allen {count} Sensorpaaren laufen gegenläufig um: die Drehrichtung ist falsch, oder jedes Paar ist "
+        "die Wellenbahnen an allen {count} Aufnehmerpaaren laufen gegenläufig um: die Drehrichtung ist falsch, oder jedes Paar ist "
         "vertauscht"
     ),
     "the orbit at {channels} turns backward, not forward: {meaning}": (
-        "der Orbit an {channels} läuft gegenläufig um, nicht gleichläufig: {meaning}"
+        "die Wellenbahn an {channels} läuft gegenläufig um, nicht gleichläufig: {meaning}"
     ),
     "the orbit at {channels} turns backward, not forward, as at {count} of {all} pairs: {meaning}": (
-        "der Orbit an {channels} läuft gegenläufig um, nicht gleichläufig, wie an {count} von {all} Paaren: {meaning}"
+        "die Wellenbahn an {channels} läuft gegenläufig um, nicht gleichläufig, wie an {count} von {all} Paaren: {meaning}"
     ),
     "the orbit at {channels} turns backward, not forward as at the other pairs: {meaning}": (
-        "der Orbit an {channels} läuft gegenläufig um, nicht gleichläufig wie an den anderen Paaren: {meaning}"
+        "die Wellenbahn an {channels} läuft gegenläufig um, nicht gleichläufig wie an den anderen Paaren: {meaning}"
     ),
     "the channels are swapped, or the sense of rotation is wrong": (
         "die Kanäle sind vertauscht, oder die Drehrichtung ist falsch"

@@ -17,11 +17,12 @@ from storage.findings.job_order import QUEUED as QUEUED
 from storage.findings.job_order import RUNNING as RUNNING
 from storage.machines import machines
 from storage.paging import Keys, ordered
+from storage.tables.findings import DONE as DONE
+from storage.tables.findings import FAILED as FAILED
+from storage.tables.findings import QUARANTINED as QUARANTINED
 from storage.tables.findings import JobRow
 from storage.tables.operation import ReplicaRow
 
-DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
-"""Final states of a job; one that crashed its process or exceeded its time or memory too often ends as quarantined."""
 STATES = (QUEUED, RUNNING, DONE, FAILED, QUARANTINED)
 
 RUN, GATHERED, VARIANT, CALIBRATION = "run", "gathered", "variant", "calibration"

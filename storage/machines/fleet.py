@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from storage.clock import latest
 from storage.database.readable_rows import readable_rows
 from storage.tables.alerting import AlertEventRow, AlertRow
-from storage.tables.findings import IdentificationRow
+from storage.tables.findings import DONE, FAILED, QUARANTINED, IdentificationRow, JobRow
 from storage.tables.machines import MachineRow, RevisionRow, TimelineRow
 from storage.tables.measurements import CollectorRow, QuarantineRow, RunRow
 
@@ -49,6 +49,14 @@ class AlertGlance:
 
 
 @dataclass(frozen=True)
+class FailedJobGlance:
+    """An identification that failed in the overview, after which none of its machine has ended well."""
+
+    id: int
+    error: str | None
+
+
+@dataclass(frozen=True)
 class ListedMachine:
     """A machine in a list. minimum_rpm, maximum_rpm: its speed range; None where its document is damaged."""
 
@@ -73,12 +81,13 @@ class MachineGlance:
     unacknowledged: int
     first_alert: AlertGlance | None
     """The one that should be looked at first."""
+    failed_job: FailedJobGlance | None
     since: dict[str, int]
     """Number of events by kind since the time asked for."""
 
 
 TABLES = ("machines", "machine_revisions", "runs", "identifications", "alerts", "alert_events", "timeline")
-"""Tables from which the overview is read; of the quarantine beside them, an overview kept from before may be a minute old."""
+"""Tables from which the overview is read; of quarantine and jobs beside them, an overview kept from before may be a minute old."""
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 
@@ -121,6 +130,8 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
         MachineRow.id,
         _newest(RunRow.id, RunRow.machine_id, RunRow.time_first),
         _newest(IdentificationRow.id, IdentificationRow.machine_id, IdentificationRow.measured_at),
+        _last_job(FAILED, QUARANTINED),
+        _last_job(DONE),
     )
     rows = {row[0]: row for row in session.execute(query.where(MachineRow.id.in_([one.id for one in machines])))}
     run = RunRow.id, RunRow.kind, RunRow.state, RunRow.time_first, RunRow.time_last
@@ -133,6 +144,8 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
     )
     found = _by_ids(session, identification, [row[2] for row in rows.values()])
     identifications = {one[0]: IdentificationGlance(*one) for one in found}
+    unmended = [row[3] for row in rows.values() if row[3] is not None and row[3] > (row[4] or 0)]
+    failed = {one[0]: FailedJobGlance(*one) for one in _by_ids(session, (JobRow.id, JobRow.error), unmended)}
     severities = _open_by_severity(session)
     waiting = _unacknowledged(session)
     first = _first_alerts(session)
@@ -145,6 +158,7 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
             open_alerts=severities.get(one.id, {}),
             unacknowledged=waiting.get(one.id, 0),
             first_alert=first.get(one.id),
+            failed_job=failed.get(rows[one.id][3]),
             since={kind: counts.get(one.id, 0) for kind, counts in happened.items()},
         )
         for one in machines
@@ -175,6 +189,11 @@ def _newest(number: Any, machine_id: Any, time: Any) -> ScalarSelect[Any]:
         .limit(1)
         .scalar_subquery()
     )
+
+
+def _last_job(*states: str) -> ScalarSelect[Any]:
+    """Return a query for the id of a machine's last job in one of some states, from the index over both."""
+    return select(func.max(JobRow.id)).where(JobRow.machine_id == MachineRow.id, JobRow.state.in_(states)).scalar_subquery()
 
 
 def _by_ids(session: Session, columns: tuple[Any, ...], ids: list[int | None]) -> Sequence[Any]:

@@ -7,6 +7,9 @@ from sqlalchemy.orm import Mapped, mapped_column
 
 from storage.tables.base import Base, Name, RowKey
 
+DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
+"""Final states of a job; one that crashed its process or exceeded its time or memory too often ends as quarantined."""
+
 
 class JobRow(Base):
     """An identification job: queued, running or finished. options: the settings that differ from the usual ones."""

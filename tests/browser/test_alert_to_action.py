@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import COUNT
@@ -81,6 +81,47 @@ def test_bode_opens_at_the_probes_beside_what_an_alert_is_about(seen: Seen) -> N
     pressed = seen.page.get_by_role("group", name="Channels").locator("[aria-pressed=true]")
     assert "B1X" not in pressed.all_inner_texts()
     assert seen.errors == []
+
+
+def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Service) -> None:
+    """The next run shows the alert as well, and another alert is raised: plots stay, zoomed as they are, of the same probes."""
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    found = service.get(f"/identifications/{alert['identification']}")
+    earlier = next(run["id"] for run in service.get(f"/machines/{MACHINE}/runs") if run["id"] not in found["runs"])
+    held: list[Route] = []
+    seen.open(f"alerts/{alert['id']}")
+    zoomed = seen.page.locator(".uplot[data-zoomed='1']")
+    bode = seen.page.get_by_role("group", name=re.compile("^Amplitude of"))
+    until(lambda: bode.count() == 1 and bode.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="the Bode plot is drawn")
+    bode.get_by_role("button", name="Zoom in").click()
+    expect(zoomed).to_have_count(3)
+    seen.page.evaluate("window.scrollTo(0, 900)")
+    next_one = found | {"id": 9001, "runs": [earlier]}
+    seen.page.route(re.compile("/identifications/9001$"), held.append)
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}$"), lambda route: route.fulfill(json=alert | {"identification": 9001}))
+    until(lambda: seen.page.wait_for_timeout(50) or len(held) > 0, within_s=15, what="the next identification is asked for")
+    expect(zoomed).to_have_count(3)
+    held.pop().fulfill(json=next_one)
+    expect(seen.page.get_by_text(f"Below: run {earlier}, ")).to_be_visible()
+    expect(zoomed).to_have_count(3)
+    assert seen.page.evaluate("window.scrollY") == 900
+    assert seen.errors == []
+
+
+def test_a_later_alert_does_not_change_which_probes_are_looked_at(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    seen.open(f"machines/{MACHINE}/response")
+    pressed = seen.page.get_by_role("group", name="Channels").locator("[aria-pressed=true]")
+    expect(pressed).not_to_have_count(0)
+    before = pressed.all_inner_texts()
+    later = alert | {"id": 9001, "element": "bearing.B1"}
+    with seen.page.expect_response(re.compile(r"/alerts\?open=true"), timeout=15_000):
+        seen.page.route(re.compile(r"/alerts\?open=true"), lambda route: route.fulfill(json=[later, alert]))
+    seen.page.wait_for_timeout(300)
+    assert pressed.all_inner_texts() == before
+    seen.page.reload()
+    expect(seen.page.get_by_text("The probes beside bearing B1")).to_be_visible()
+    assert pressed.all_inner_texts() != before
 
 
 def test_an_alert_that_is_not_there_leads_back(seen: Seen) -> None:

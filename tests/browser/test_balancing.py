@@ -1,5 +1,6 @@
 """Field balancing in a real browser: begun with a run, tried, computed, checked, drawn; refused while an alert is open."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -123,6 +124,49 @@ def test_on_paper_the_buttons_are_left_out(seen: Seen, service: Service) -> None
     expect(seen.page.get_by_role("button", name="Compute the correction …")).to_be_hidden()
     expect(seen.page.get_by_role("button", name="Print")).to_be_hidden()
     expect(seen.page.get_by_text("Initial run")).to_be_visible()
+
+
+def test_a_danger_that_comes_meanwhile_ends_no_form_that_is_being_filled_in(seen: Seen, service: Service) -> None:
+    runs = _closed_runs(service, COPY)
+    _until_tried(seen, COPY, runs)
+    shown = service.get(f"/machines/{COPY}/balancings")[0]["id"]
+    dialog = _step(seen, "Add a trial run …")
+    dialog.get_by_label("Amount").fill("777")
+    danger = service.get(f"/machines/{MACHINE}/alerts", open=True)[0] | {"machine": COPY}
+    assert danger["severity"] == "danger"
+    later = service.client.post(f"/machines/{COPY}/balancings", json={"runs": [runs[2]], "by": "otto"})
+    assert later.status_code == 201, later.text  # somebody else begins another one
+    seen.page.route(re.compile(rf"/machines/{COPY}/alerts\?open=true"), lambda route: route.fulfill(json=[danger]))
+    heading = seen.page.get_by_role("heading", name="Not now: a danger is open", include_hidden=True)
+    expect(heading).to_be_attached()
+    expect(dialog.get_by_role("status")).to_have_text("Not now: a danger is open")
+    expect(dialog.get_by_label("Amount")).to_have_value("777")
+    dialog.get_by_label("Run with the weight").select_option(str(runs[2]))
+    dialog.locator("select[name=disc]").select_option("D1")
+    dialog.get_by_label("Angle").fill("0")
+    _send(dialog, "Add")
+    expect(dialog).to_have_count(0)
+    tried = _balancing(service, shown)
+    assert [one["run"] for one in tried["trials"]] == runs[1:3], "the trial is of the balancing that was shown"
+    expect(heading).to_be_visible()
+    expect(seen.page.get_by_role("button", name="Begin …")).to_be_hidden()
+
+
+def _balancing(service: Service, number: int) -> Any:
+    return next(one for one in service.get(f"/machines/{COPY}/balancings") if one["id"] == number)
+
+
+def test_amplitudes_of_a_correction_are_in_the_chosen_unit(seen: Seen, service: Service) -> None:
+    _until_tried(seen, COPY, _closed_runs(service, COPY))
+    dialog = _step(seen, "Compute the correction …")
+    _send(dialog, "Compute")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.locator(".polar figcaption").first).to_contain_text("µm pp")
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_p,hz")
+    expect(seen.page.locator(".polar figcaption").first).to_contain_text("mil 0-pk")
+    expect(seen.page.get_by_role("heading", name=re.compile(r"ISO 21940-11 G 2.50 at .* Hz"))).to_be_visible()
+    expect(seen.page.locator("main")).not_to_contain_text("µm pp")
+    seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
 
 
 def test_no_masses_while_an_alert_says_that_the_coupling_is_misaligned(seen: Seen, service: Service) -> None:

@@ -123,6 +123,25 @@ def test_the_measured_centreline_is_drawn_beside_the_models(seen: Seen, films: S
     assert seen.errors == []
 
 
+def test_the_centreline_of_an_earlier_identification_is_laid_over(seen: Seen, films: Service) -> None:
+    accepted = [one["id"] for one in films.get(f"/machines/{FILMS}/identifications") if one["accepted"]]
+    newest, earlier = accepted[0], accepted[-1]
+    assert newest != earlier
+    seen.open(f"machines/{FILMS}/model")
+    found = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Shaft centreline"))
+    drawing = found.get_by_role("img", name="Shaft centreline in bearing B1: model from")
+    expect(drawing.locator("path.dots")).to_have_count(1)
+    found.get_by_label("Overlay").select_option(str(earlier))
+    expect(drawing.locator("path.dots")).to_have_count(2)
+    expect(found.get_by_text(f"model, identification {earlier}")).to_be_visible()
+    expect(seen.page).to_have_url(re.compile(f"overlay={earlier}"))
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_pp,hz")
+    expect(found.get_by_text("radial clearance").first).to_contain_text(" mil")
+    expect(found).not_to_contain_text("µm")
+    seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
+    assert seen.errors == []
+
+
 def test_alignment_of_the_coupling_is_told_with_what_is_known_of_its_change(seen: Seen, films: Service) -> None:
     """Of a machine whose baseline is not complete nothing has changed yet, which is said."""
     told = films.get(f"/machines/{FILMS}/alignment")

@@ -3,6 +3,7 @@
 import csv
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from playwright.sync_api import Route, expect
@@ -47,6 +48,22 @@ def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Servic
     assert seen.errors == []
 
 
+def test_bars_are_saved_as_a_picture_and_as_data(seen: Seen, tmp_path: Path) -> None:
+    seen.open(f"machines/{COPY}/vibration")
+    for kind, name in (("svg", "Save as SVG: Vibration at the probes"), ("csv", "Save the data as CSV: Vibration at the probes")):
+        with seen.page.expect_download() as download:
+            seen.page.get_by_role("button", name=name).click()
+        download.value.save_as(tmp_path / f"bars.{kind}")
+    picture = ElementTree.parse(tmp_path / "bars.svg").getroot()
+    said = [one.text for one in picture.iter("{http://www.w3.org/2000/svg}text")]
+    assert "B1X" in said
+    assert any(one and one.startswith("1× ") and "overall" in one for one in said)
+    channels = len((tmp_path / "bars.csv").read_text().splitlines()) - 1
+    assert len(list(picture.iter("{http://www.w3.org/2000/svg}rect"))) == 1 + 3 * channels
+    assert len(list(picture.iter("{http://www.w3.org/2000/svg}path"))) == 2 + 3, "limits, and boundaries of zones"
+    assert seen.errors == []
+
+
 def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
     seen.open(f"machines/{COPY}")
     seen.page.get_by_label("Units of vibration and speed").select_option("mil_p,hz")
@@ -56,6 +73,12 @@ def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
     expect(seen.page.locator(".told").first).to_contain_text("mil 0-pk")
     expect(seen.page.locator("main")).not_to_contain_text("µm pp")
     expect(seen.page.locator(".polar figcaption").first).to_contain_text("mil 0-pk")
+    seen.open(f"machines/{MACHINE}/model")
+    expect(seen.page.get_by_role("heading", name="Critical speeds")).to_be_visible()
+    expect(seen.page.locator(".loading")).to_have_count(0)
+    expect(seen.page.locator("main")).not_to_contain_text("µm pp")
+    expect(seen.page.locator("main")).not_to_contain_text(re.compile(r"\d rpm"))
+    expect(seen.page.locator("table").first).to_contain_text(" Hz")
     seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
     assert seen.errors == []
 

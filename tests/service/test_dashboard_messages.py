@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from service.wording.language import SENTENCES, Locale
+
 ROOT = Path(__file__).parents[2]
 MESSAGES = ROOT / "dashboard" / "src" / "messages"
 MESSAGE = re.compile(r'^  "?([\w.]+)"?: ("(?:[^"\\]|\\.)*"),$', re.MULTILINE)
@@ -71,3 +73,16 @@ def declared(file: str, constant: str) -> dict[str, Any]:
     text = (MESSAGES.parent / "declarations" / file).read_text(encoding="utf-8")
     lines = text.split(f"export const {constant} = {{\n")[1].split("\n};")[0].splitlines()
     return {locale: json.loads(said.removesuffix(",")) for locale, said in (line.strip().split(": ", 1) for line in lines)}
+
+
+NOT_SHOWN = {"parallel", "angular", "combined", "splitting", "rpm", "real", "imaginary", "times", "test"}
+"""Words of the service's own sentences, which the page says otherwise or not at all."""
+
+
+@pytest.mark.parametrize("locale", ["en", *LOCALES])
+def test_page_and_service_call_a_thing_by_one_name(locale: Locale) -> None:
+    declared_names = declared("findings.ts", "FINDING_NAMES")[locale]
+    page = catalogue(locale)
+    said = {key.removeprefix("name."): words for key, words in SENTENCES[locale].items() if key.startswith("name.")}
+    shown = {name: page.get(f"term.{name}", declared_names.get(name)) for name in said.keys() - NOT_SHOWN}
+    assert {name: words for name, words in shown.items() if words != said[name]} == {}

@@ -97,6 +97,6 @@ export function svgText(svg: SVGSVGElement): string {
   return new XMLSerializer().serializeToString(copy);
 }
 
-export function saveSvg(label: string, svg: SVGSVGElement): void {
-  download(new Blob([svgText(svg)], { type: "image/svg+xml" }), fileName(label, "svg"));
+export function saveSvg(label: string, svg: string): void {
+  download(new Blob([svg], { type: "image/svg+xml" }), fileName(label, "svg"));
 }

@@ -3,7 +3,13 @@ import { useUnits } from "../browser/units";
 import { number, rpm as inRpm } from "../format/numbers";
 
 export function Speed({ rpm }: { rpm: number | null | undefined }) {
+  const text = useSpeedText();
+  return <>{text(rpm)}</>;
+}
+
+/** Writes speeds in the unit that is chosen. */
+export function useSpeedText(): (rpm: number | null | undefined) => string {
   const { speed } = useUnits();
-  if (rpm === null || rpm === undefined) return <>–</>;
-  return <>{speed.factor === 1 ? inRpm(rpm) : `${number(rpm * speed.factor, 4)} ${speed.label}`}</>;
+  if (speed.factor === 1) return inRpm;
+  return (rpm) => (rpm === null || rpm === undefined ? "–" : `${number(rpm * speed.factor, 4)} ${speed.label}`);
 }

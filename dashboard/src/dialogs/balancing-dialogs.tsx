@@ -19,6 +19,8 @@ interface Props {
   step: BalancingStep;
   /** The balancing that goes on; null to begin one. */
   balancing: FieldBalancing | null;
+  /** What speaks against it now; null for nothing. */
+  warning: string | null;
   onClose: () => void;
 }
 
@@ -29,7 +31,7 @@ const TITLES: Record<BalancingStep, [title: string, button: string]> = {
   check: [t("compareACheckRun"), t("compare")],
 };
 
-export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
+export function BalancingDialog({ machine, step, balancing, warning, onClose }: Props) {
   const [title, button] = TITLES[step];
   const list = `/machines/${machine.id}/balancings`;
   const discs = machine.discs.map((one) => one.id);
@@ -44,6 +46,9 @@ export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
   };
   return (
     <FormDialog title={title} button={button} onSubmit={submit} onClose={onClose}>
+      <p class={warning ? "error" : undefined} role="status">
+        {warning}
+      </p>
       {step === "begin" && <RunField machine={machine.id} label={t("runWithoutTrialWeights")} />}
       {step === "begin" && <ScaleFields />}
       {step === "begin" && <CommentField />}

@@ -15,7 +15,27 @@ export function findingLabel(kind: string): string {
 
 /** A hypothesis in words: `misalignment of coupling C1`. */
 export function causeLabel({ kind, element }: { kind: string; element: string }): string {
-  return element.startsWith(`${kind}.`) ? t("itself", { element: elementName(element) }) : t("of", { finding: findingLabel(kind), element: elementName(element) });
+  if (!idOf(element)) return findingLabel(kind);
+  return isElementsOwn(kind, element) ? t("itself", { element: elementName(element) }) : t("of", { finding: findingLabel(kind), element: elementName(element) });
+}
+
+/** What a finding is about, as a heading: `Misalignment of coupling C1`, `Bearing B2`. */
+export function findingTitle(kind: string, element: string): string {
+  const words = !idOf(element) ? findingLabel(kind) : isElementsOwn(kind, element) ? elementName(element) : t("of", { finding: findingLabel(kind), element: elementName(element) });
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** Findings that are called as elements are: that of a seal is called `bearing` as well. */
+const NAMED_AS_ELEMENTS = ["bearing", "coupling", "pedestal"];
+
+/** Whether a finding is called as its element. */
+function isElementsOwn(kind: string, element: string): boolean {
+  return NAMED_AS_ELEMENTS.includes(kind) || words(element.split(".")[0]!) === findingLabel(kind);
+}
+
+/** Empty for the machine as a whole. */
+function idOf(element: string): string {
+  return element.split(".").slice(1).join(".");
 }
 
 export const LEVELS = ["alert", "danger"] as const;

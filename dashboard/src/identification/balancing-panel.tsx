@@ -1,4 +1,5 @@
 // A balancing proposal from an identified model.
+import { useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
@@ -50,6 +51,8 @@ function Corrections({ found }: { found: Balancing }) {
 }
 
 function Amplitudes({ found }: { found: Balancing }) {
+  const { amplitude } = useUnits();
+  const told = (um: number) => `${number(um * amplitude.factor)} ${amplitude.label}`;
   return (
     <Scroll label={t("table")}>
       <table>
@@ -64,8 +67,8 @@ function Amplitudes({ found }: { found: Balancing }) {
           {found.before.map((one, at) => (
             <tr key={one.channel}>
               <td>{one.channel}</td>
-              <td class="number">{number(largest(one.amplitude))} µm pp</td>
-              <td class="number">{t("belowAmplitude", { upper: number(largest(found.after[at]?.upper ?? [])) })}</td>
+              <td class="number">{told(largest(one.amplitude))}</td>
+              <td class="number">{t("belowAmplitude", { upper: told(largest(found.after[at]?.upper ?? [])) })}</td>
             </tr>
           ))}
         </tbody>

@@ -1,44 +1,97 @@
-// The shaft centreline of an identified train on oil films: the model's line in each clearance circle, and what gaps measured.
-import { speedsInUnit, useUnits } from "../browser/units";
-import { Loaded } from "../components/loading";
+// The shaft centreline of an identified train on oil films: the model's line in each clearance circle, what gaps measured, and
+// both of an earlier identification laid over them.
+import { replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { inUnit, speedsInUnit, useUnits, type Units } from "../browser/units";
+import { ErrorMessage, Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { useResource } from "../data/resource";
-import { t } from "../messages/messages";
+import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import { CentrelinePlot, type JournalLine } from "../plots/centreline-plot";
 import { CurveLegend } from "../plots/curve-legend";
-import type { Identification } from "../schemas/identifications";
+import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import type { Centreline } from "../schemas/model";
 import { oilFilms } from "../words/oil-films";
 
+/** Identifications that can be laid over. */
+const LIMIT = 200;
+
+function pathOf(identification: number | string): string {
+  return `/identifications/${identification}/model/centreline`;
+}
+
 /** Nothing where the identification tells of no films. */
-export function CentrelinePanel({ machine, found, path }: { machine: Document; found: Identification; path: string }) {
+export function CentrelinePanel({ machine, found }: { machine: Document; found: Identification }) {
   const hasFilms = oilFilms(found, machine).length > 0;
-  const result = useResource<Centreline>(hasFilms ? path : null);
+  const overlaid = useStore(route).query.get("overlay") ?? "";
+  const result = useResource<Centreline>(hasFilms ? pathOf(found.id) : null);
+  const other = useResource<Centreline>(hasFilms && overlaid ? pathOf(encodeURIComponent(overlaid)) : null);
   const { speed } = useUnits();
   if (!hasFilms) return null;
   return (
     <Panel title={t("shaftCentreline")} aside={<p class="muted">{t("centrelineAxes", { unit: speed.label })}</p>}>
+      <div class="choices">
+        <OverlaySelect machine={machine.id} shown={found.id} overlaid={overlaid} />
+      </div>
+      {other.failure?.isLocal && <ErrorMessage failure={other.failure} />}
       <Loaded result={result} lines={16}>
-        {(lines) => (
-          <>
-            <p class="muted">
-              <CurveLegend curves={namesOf(lines).map((name, style) => ({ name, style }))} /> · {measuredText(lines)}
-            </p>
-            <div class="orbits shapes">
-              {lines.bearings.map((one) => (
-                <CentrelinePlot key={one.bearing} bearing={one.bearing} clearance={one.clearance_um} lines={linesOf(lines, one.bearing, speed.factor)} speedUnit={speed.label} />
-              ))}
-            </div>
-          </>
-        )}
+        {(lines) => <Lines lines={lines} other={other.data} overlaid={overlaid} />}
       </Loaded>
     </Panel>
   );
 }
 
-function namesOf({ measured }: Centreline): string[] {
-  return [t("modelsLine"), ...measured.map(({ run }) => t("gapsOfRun", { run }))];
+function OverlaySelect({ machine, shown, overlaid }: { machine: string; shown: number; overlaid: string }) {
+  const all = useResource<IdentificationSummary[]>(`/machines/${machine}/identifications?limit=${LIMIT}`).data ?? [];
+  const others = all.filter((one) => one.accepted && one.id !== shown);
+  return (
+    <label>
+      {t("overlay")}
+      <select value={overlaid} onChange={(event) => replaceQuery({ overlay: event.currentTarget.value || null })}>
+        <option value="">{t("none")}</option>
+        {overlaid !== "" && !others.some((one) => String(one.id) === overlaid) && <option value={overlaid}>{overlaid}</option>}
+        {others.map((one) => (
+          <option key={one.id} value={one.id}>{`${one.id}  ${term(one.run_kind)}, ${when(one.measured_at)}`}</option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function Lines({ lines, other, overlaid }: { lines: Centreline; other: Centreline | undefined; overlaid: string }) {
+  const units = useUnits();
+  const names = [...namesOf(lines), ...(other ? namesOf(other, overlaid) : [])];
+  const linesIn = (bearing: string) => [
+    ...linesOf(lines, bearing, units, namesOf(lines), 0),
+    ...(other ? linesOf(other, bearing, units, namesOf(other, overlaid), namesOf(lines).length) : []),
+  ];
+  return (
+    <>
+      <p class="muted">
+        <CurveLegend curves={names.map((name, style) => ({ name, style }))} /> · {measuredText(lines)}
+      </p>
+      <div class="orbits shapes">
+        {lines.bearings.map((one) => (
+          <CentrelinePlot
+            key={one.bearing}
+            bearing={one.bearing}
+            clearance={one.clearance_um * units.length.factor}
+            unit={units.length.label}
+            lines={linesIn(one.bearing)}
+            speedUnit={units.speed.label}
+          />
+        ))}
+      </div>
+    </>
+  );
+}
+
+/** Of the model's line and of each run's gaps; of an identification that is laid over, with its number. */
+function namesOf({ measured }: Centreline, overlaid = ""): string[] {
+  const model = overlaid ? t("modelsLineOf", { id: overlaid }) : t("modelsLine");
+  return [model, ...measured.map(({ run }) => t("gapsOfRun", { run }))];
 }
 
 function measuredText({ measured }: Centreline): string {
@@ -46,13 +99,15 @@ function measuredText({ measured }: Centreline): string {
   return t("zerosSetByTheModel");
 }
 
-function linesOf(found: Centreline, bearing: string, factor: number): JournalLine[] {
-  const modelled = found.bearings.find((one) => one.bearing === bearing)!;
-  const unit = { label: "", factor };
-  const model: JournalLine = { name: t("modelsLine"), style: 0, speed: speedsInUnit(found.speed, unit), x: modelled.x_um, y: modelled.y_um, measured: false };
-  const measured = found.measured.flatMap(({ run, speed, bearings }, at): JournalLine[] => {
-    const own = bearings.find((one) => one.bearing === bearing);
-    return own ? [{ name: t("gapsOfRun", { run }), style: at + 1, speed: speedsInUnit(speed, unit), x: own.x_um, y: own.y_um, measured: true }] : [];
+/** style: of the first of the names. */
+function linesOf(found: Centreline, bearing: string, { length, speed }: Units, names: string[], style: number): JournalLine[] {
+  const modelled = found.bearings.find((one) => one.bearing === bearing);
+  const line = (at: number, rpm: number[], x: (number | null)[], y: (number | null)[]): JournalLine => ({
+    name: names[at]!, style: style + at, speed: speedsInUnit(rpm, speed), x: inUnit(x, length), y: inUnit(y, length), measured: at > 0,
   });
-  return [model, ...measured];
+  const measured = found.measured.flatMap((run, at): JournalLine[] => {
+    const own = run.bearings.find((one) => one.bearing === bearing);
+    return own ? [line(at + 1, run.speed, own.x_um, own.y_um)] : [];
+  });
+  return [...(modelled ? [line(0, found.speed, modelled.x_um, modelled.y_um)] : []), ...measured];
 }

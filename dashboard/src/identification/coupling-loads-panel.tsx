@@ -1,4 +1,5 @@
 // The forces and moments that the couplings carry at 1×, over speed.
+import { speedsInUnit, useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { useResource } from "../data/resource";
@@ -42,6 +43,7 @@ interface LoadPlotProps {
 }
 
 function LoadPlot({ speed, coupling, load: [field, label, unit] }: LoadPlotProps) {
+  const { speed: unitOfSpeed } = useUnits();
   const load = coupling[field];
   const scale = scaleOf(Math.max(0, ...load.amplitude.map((one) => one ?? 0)), unit);
   const scaled = (column: (number | null)[]) => column.map((one) => (one === null ? null : one * scale.factor));
@@ -52,8 +54,8 @@ function LoadPlot({ speed, coupling, load: [field, label, unit] }: LoadPlotProps
       </figcaption>
       <Plot
         label={t("couplingLoadOverSpeed", { label, coupling: coupling.coupling })}
-        x={speed}
-        xUnit={t("rpm")}
+        x={speedsInUnit(speed, unitOfSpeed)}
+        xUnit={unitOfSpeed.label}
         yUnit={scale.unit}
         height={170}
         syncGroup="forces"

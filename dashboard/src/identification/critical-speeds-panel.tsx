@@ -1,22 +1,25 @@
 // The critical speeds of an identified model.
+import { useUnits, type Unit } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
+import { Speed, useSpeedText } from "../components/speed";
 import { useResource } from "../data/resource";
 import { whirlName } from "../format/angles";
-import { decimal, number, rpm } from "../format/numbers";
+import { decimal, number } from "../format/numbers";
 import { t } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { CriticalSpeed, CriticalSpeeds } from "../schemas/model";
 
 export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path: string }) {
   const result = useResource<CriticalSpeeds>(path);
+  const speedText = useSpeedText();
   return (
     <Panel title={t("criticalSpeeds")} aside={<p class="muted">{t("with95Intervals")}</p>}>
       <Loaded result={result} lines={10}>
         {(found) =>
           found.critical_speeds.length === 0 ? (
-            <Empty>{t("noneUpTo", { speed: rpm(found.highest) })}</Empty>
+            <Empty>{t("noneUpTo", { speed: speedText(found.highest) })}</Empty>
           ) : (
             <Scroll label={t("table")}>
               <table>
@@ -45,19 +48,21 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
 }
 
 /** With as many digits as tell the interval's ends apart. */
-function bound(value: number | null, { lower, upper }: CriticalSpeed): string {
+function bound(value: number | null, { lower, upper }: CriticalSpeed, { factor }: Unit): string {
   if (value === null) return "–";
-  const isNarrow = lower !== null && upper !== null && upper - lower < 2;
-  return isNarrow ? decimal(value.toFixed(upper - lower < 0.2 ? 2 : 1)) : String(Math.round(value));
+  const width = lower === null || upper === null ? Infinity : (upper - lower) * factor;
+  const digits = width < 0.2 ? 2 : width < 2 || factor !== 1 ? 1 : 0;
+  return decimal((value * factor).toFixed(digits));
 }
 
 function Row({ one, machine }: { one: CriticalSpeed; machine: Document }) {
   const { minimum_rpm: low, maximum_rpm: high } = machine.speed_range;
+  const { speed } = useUnits();
   return (
     <tr>
-      <td class="number">{rpm(one.speed)}</td>
+      <td class="number"><Speed rpm={one.speed} /></td>
       <td class="number muted">
-        {bound(one.lower, one)} … {bound(one.upper, one)}
+        {bound(one.lower, one, speed)} … {bound(one.upper, one, speed)}
       </td>
       <td class="number">{number(100 * one.damping_ratio)} %</td>
       <td class="number">{number(one.log_decrement)}</td>

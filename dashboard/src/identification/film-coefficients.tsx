@@ -1,6 +1,8 @@
 // The coefficients of an oil film at the speeds that an identification tells them at: stiffness and damping, plots and numbers.
+import { speedsInUnit, useUnits } from "../browser/units";
 import { Scroll } from "../components/scroll";
-import { number, rpm, scaleOf, type Scale } from "../format/numbers";
+import { Speed, useSpeedText } from "../components/speed";
+import { number, scaleOf, type Scale } from "../format/numbers";
 import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import { missingReasons, type Bounded, type FilmCoefficient, type OilFilm } from "../words/oil-films";
@@ -11,7 +13,8 @@ const KINDS = [
 ] as const;
 
 export function FilmCoefficients({ film }: { film: OilFilm }) {
-  const named = film.coefficients.flatMap(({ term, at }) => at.map((one, place): [string, Bounded | undefined] => [`${term} at ${rpm(film.speeds[place])}`, one]));
+  const speedText = useSpeedText();
+  const named = film.coefficients.flatMap(({ term, at }) => at.map((one, place): [string, Bounded | undefined] => [t("termAtSpeed", { term, speed: speedText(film.speeds[place]) }), one]));
   return (
     <>
       <div class="film-plots">
@@ -29,6 +32,8 @@ export function FilmCoefficients({ film }: { film: OilFilm }) {
 }
 
 function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coefficients: FilmCoefficient[] }) {
+  const { speed } = useUnits();
+  const speedText = useSpeedText();
   const all = coefficients.flatMap((one) => one.at);
   const scale = scaleOf(Math.max(0, ...all.map((one) => Math.abs(one?.value ?? 0))), all[0]?.unit ?? "");
   const column = (one: FilmCoefficient, of: "value" | "lower" | "upper") => one.at.map((at) => scaled(at?.[of], scale));
@@ -38,9 +43,9 @@ function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coeff
         <strong>{film.bearing}</strong> {kind} [{scale.unit}]
       </figcaption>
       <Plot
-        label={t("filmCoefficientPlot", { kind, bearing: film.bearing, unit: scale.unit, speeds: film.speeds.map(rpm).join(", "), values: coefficients.map((one) => `${one.term} ${column(one, "value").map((at) => number(at)).join(", ")}`).join("; ") })}
-        x={film.speeds}
-        xUnit={t("rpm")}
+        label={t("filmCoefficientPlot", { kind, bearing: film.bearing, unit: scale.unit, speeds: film.speeds.map(speedText).join(", "), values: coefficients.map((one) => `${one.term} ${column(one, "value").map((at) => number(at)).join(", ")}`).join("; ") })}
+        x={speedsInUnit(film.speeds, speed)}
+        xUnit={speed.label}
         yUnit={scale.unit}
         height={220}
         syncGroup="films"
@@ -68,7 +73,7 @@ function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; c
             <th>{scale.unit}</th>
             {speeds.map((one) => (
               <th key={one} class="number" scope="col">
-                {rpm(one)}
+                <Speed rpm={one} />
               </th>
             ))}
           </tr>

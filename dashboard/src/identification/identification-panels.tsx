@@ -3,10 +3,11 @@ import type { ComponentChildren } from "preact";
 import { link } from "../browser/router";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { angleConvention, angleText } from "../format/angles";
 import { elementName, isCrossCoupled, isUnbalance, parameterName, quantityName } from "../format/names";
-import { number, quantity, rpm, scaleOf } from "../format/numbers";
+import { number, quantity, scaleOf } from "../format/numbers";
 import { rich, stored, t, term } from "../messages/messages";
 import type { Estimate, Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
@@ -52,7 +53,7 @@ function FitPanel({ machine, found }: { machine: Document; found: Identification
           ))}
         </Fact>
         <Fact name={t("data")}>
-          {t("samplesBetween", { samples: found.samples, low: rpm(found.speed_minimum_rpm), high: rpm(found.speed_maximum_rpm) })}
+          {rich("samplesBetween", { samples: found.samples, low: <Speed rpm={found.speed_minimum_rpm} />, high: <Speed rpm={found.speed_maximum_rpm} /> })}
         </Fact>
         <Fact name={t("freedom")}>
           {number(found.chi_square / found.degrees_of_freedom)} ({number(found.chi_square, 5)} / {found.degrees_of_freedom})

@@ -2,10 +2,10 @@
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Speed } from "../components/speed";
 import { useNewestIdentification } from "../data/newest-identification";
 import { useResource } from "../data/resource";
-import { rpm } from "../format/numbers";
-import { t } from "../messages/messages";
+import { rich, t } from "../messages/messages";
 import { ModeShapePlot } from "../plots/mode-shape-plot";
 import type { Document, Drawing } from "../schemas/machines";
 import type { Modes, ModeShape } from "../schemas/model";
@@ -30,7 +30,7 @@ export function ModeShapesPanel({ machine }: { machine: Document }) {
       <Loaded result={result} lines={20}>
         {(found) => (
           <>
-            <p class="muted">{t("modeShapesAt", { speed: rpm(found.speed) })}</p>
+            <p class="muted">{rich("modeShapesAt", { speed: <Speed rpm={found.speed} /> })}</p>
             {found.modes.length === 0 && <Empty>{t("noModeUpToTwice")}</Empty>}
             <Omitted modes={found.modes} />
             <div class="modes shapes">

@@ -4,8 +4,9 @@ import type { DataColumn } from "../browser/download";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Panel } from "../components/panel";
-import { number, rpm, scaleOf } from "../format/numbers";
-import { t } from "../messages/messages";
+import { Speed } from "../components/speed";
+import { number, scaleOf } from "../format/numbers";
+import { rich, t } from "../messages/messages";
 import { ClearanceCircle, type Coordinate } from "../plots/clearance-circle";
 import { SaveDrawing } from "../plots/save-buttons";
 import type { Identification } from "../schemas/identifications";
@@ -30,7 +31,7 @@ export function OilFilmsPanel({ machine, found, showsAll = false }: Props) {
   const withCoefficients = films.filter((one) => one.coefficients.length > 0);
   const isPreloaded = films.some((one) => (documented(one.bearing)?.preload ?? 0) > 0);
   return (
-    <Panel title={t("oilFilms")} aside={<p class="muted">{t("atWithIntervals", { speed: rpm(films[0]!.speeds.at(-1)) })}</p>}>
+    <Panel title={t("oilFilms")} aside={<p class="muted">{rich("atWithIntervals", { speed: <Speed rpm={films[0]!.speeds.at(-1)} /> })}</p>}>
       <p class="muted">
         {t("journalInClearance", { preload: isPreloaded && t("dashedWhatThePreloadOf"), sense: turning(machine) })}
       </p>

@@ -2,11 +2,13 @@
 import { link } from "../browser/router";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
+import { useLastComplete } from "../data/last-complete";
 import { useDeviations } from "../data/machine-deviations";
 import { useNewestSummary } from "../data/newest-identification";
 import { useOpenAlerts } from "../data/open-alerts";
 import { useResource } from "../data/resource";
-import { t } from "../messages/messages";
+import { when } from "../format/times";
+import { rich, t, term } from "../messages/messages";
 import { AlertList } from "../panels/alert-list";
 import { ElementHistories } from "../panels/element-histories";
 import type { Alert } from "../schemas/alerts";
@@ -54,10 +56,12 @@ export function AlertPage({ id }: { id: string }) {
 function Evidence({ alert, machine }: { alert: Alert; machine: Document }) {
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   const identified = useResource<Identification>(`/identifications/${alert.identification}`);
+  // A later run that shows the alert as well takes nothing away that is being looked at.
+  const shown = useLastComplete(alert.id, identified.data);
   return (
     <>
       <MarkedTrain machine={machine} drawing={drawing.data} />
-      <Loaded result={identified} lines={15}>
+      <Loaded result={{ ...identified, data: shown }} lines={15}>
         {(found) => (
           <>
             <Trends alert={alert} machine={machine} found={found} />
@@ -99,7 +103,8 @@ function Trends({ alert, machine, found }: { alert: Alert; machine: Document; fo
 
 /** The run that shows it, beside the first run of the baseline that it was compared with. */
 function Response({ alert, machine, drawing, found }: { alert: Alert; machine: Document; drawing: Drawing | undefined; found: Identification }) {
-  const run = useResource<Run>(found.runs[0] === undefined ? null : `/runs/${found.runs[0]}`);
+  const newest = useResource<Run>(found.runs[0] === undefined ? null : `/runs/${found.runs[0]}`);
+  const run = useLastComplete(alert.id, newest.data);
   const compared = alert.evidence.baseline?.[0];
   const baseline = useResource<Identification>(compared === undefined ? null : `/identifications/${compared}`);
   const first = baseline.data?.runs[0];
@@ -108,6 +113,17 @@ function Response({ alert, machine, drawing, found }: { alert: Alert; machine: D
   const channels = machine.probes.map((one) => one.id);
   const near = nearestChannels(drawing, alert.element).filter((one) => channels.includes(one));
   return (
-    <RunResponse machine={machine} run={run.data} reference={reference.data} channels={near.length > 0 ? near : channels.slice(0, 2)} />
+    <>
+      {run && (
+        <p class="muted">
+          {rich("runThatShowsTheAlert", { run: <RunLink machine={machine.id} run={run} />, reference: reference.data && rich("overlaidRunOfBaseline", { run: <RunLink machine={machine.id} run={reference.data} /> }) })}
+        </p>
+      )}
+      <RunResponse machine={machine} run={run} reference={reference.data} channels={near.length > 0 ? near : channels.slice(0, 2)} subject={`alert ${alert.id}`} />
+    </>
   );
+}
+
+function RunLink({ machine, run }: { machine: string; run: Run }) {
+  return <a href={link(["machines", machine, "response"], { run: String(run.id) })}>{t("runOfTime", { id: run.id, kind: term(run.kind), time: when(run.started_at) })}</a>;
 }

@@ -1,4 +1,5 @@
 // Field balancing of a machine, for the person beside it; it gives way where a danger is open that no balancing mends.
+import { useState } from "preact/hooks";
 import { link } from "../browser/router";
 import { Panel } from "../components/panel";
 import { Severity } from "../components/severity";
@@ -14,14 +15,20 @@ const MENDED_BY_BALANCING = "unbalance";
 
 export function BalancingTab({ machine }: { machine: Document }) {
   const dangers = (useOpenAlerts(machine.id).data ?? []).filter((one) => one.severity === "danger" && one.rule !== MENDED_BY_BALANCING);
-  if (dangers.length === 0) return <FieldBalancingPanel machine={machine} />;
+  const [anyway, setAnyway] = useState(false);
+  const waits = dangers.length > 0;
+  // The panel keeps its place whatever comes: a danger that is raised meanwhile ends no form that somebody is filling in.
   return (
     <>
-      <Dangers dangers={dangers} />
-      <details class="screen">
-        <summary>{t("balanceAllTheSame")}</summary>
-        <FieldBalancingPanel machine={machine} />
-      </details>
+      {waits && <Dangers dangers={dangers} />}
+      {waits && (
+        <p class="buttons screen">
+          <button type="button" aria-expanded={anyway} onClick={() => setAnyway(!anyway)}>
+            {anyway ? "▾" : "▸"} {t("balanceAllTheSame")}
+          </button>
+        </p>
+      )}
+      <FieldBalancingPanel key="balancing" machine={machine} hidden={waits && !anyway} warning={waits ? t("notNowADangerIs") : null} />
     </>
   );
 }

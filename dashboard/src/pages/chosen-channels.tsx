@@ -1,4 +1,5 @@
 // The channels that are shown: those that the address names, else those beside what an alert is about, else the first ones.
+import { useRef } from "preact/hooks";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { useOpenAlerts } from "../data/open-alerts";
@@ -24,13 +25,21 @@ export function useChosenChannels(machine: Document): ChosenChannels {
   const channels = machine.probes.map((one) => one.id);
   const named = (query.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
   const alerts = useOpenAlerts(machine.id);
-  const element = alerts.data?.[0]?.element;
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
-  const near = drawing.data && element ? nearestChannels(drawing.data, element).filter((one) => channels.includes(one)) : [];
-  if (named.length > 0) return { chosen: named, beside: null, isPending: false };
-  if (near.length > 0) return { chosen: near, beside: element!, isPending: false };
+  const first = useRef<{ of: string; found: ChosenChannels } | null>(null);
+  const of = [machine.id, ...channels].join();
   const isPending = [alerts, drawing].some((one) => !one.data && !one.failure);
-  return { chosen: isPending ? [] : channels.slice(0, FIRST_CHANNELS), beside: null, isPending };
+  // An alert that is raised later does not change what is being looked at.
+  if (!isPending && first.current?.of !== of) first.current = { of, found: openedWith(channels, drawing.data, alerts.data?.[0]?.element) };
+  if (named.length > 0) return { chosen: named, beside: null, isPending: false };
+  return first.current?.of === of ? first.current.found : { chosen: [], beside: null, isPending: true };
+}
+
+/** The channels beside an element with an open alert, else the first ones. */
+function openedWith(channels: string[], drawing: Drawing | undefined, element: string | undefined): ChosenChannels {
+  const near = drawing && element ? nearestChannels(drawing, element).filter((one) => channels.includes(one)) : [];
+  if (element && near.length > 0) return { chosen: near, beside: element, isPending: false };
+  return { chosen: channels.slice(0, FIRST_CHANNELS), beside: null, isPending: false };
 }
 
 export function ChannelButtons({ machine, chosen }: { machine: Document; chosen: string[] }) {

@@ -33,7 +33,7 @@ export function ModelTab({ machine }: { machine: Document }) {
         <CriticalSpeedsPanel machine={machine} path={paths.criticals} />
       </div>
       <OilFilmsPanel machine={machine} found={newest} />
-      <CentrelinePanel machine={machine} found={newest} path={`/identifications/${newest.id}/model/centreline`} />
+      <CentrelinePanel machine={machine} found={newest} />
       <AlignmentPanel found={newest} />
       <CouplingLoadsPanel path={paths.forces} />
       <BalancingPanel path={paths.balancing} />

@@ -1,8 +1,10 @@
 // Field balancing beside the machine: the newest one's steps, correction, promise, check run and vectors, on one printed page.
 import { useState } from "preact/hooks";
+import { useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
+import { useSpeedText } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
@@ -20,53 +22,76 @@ const STEPS: Record<FieldBalancing["state"], [step: BalancingStep, name: string]
   checked: [["check", t("compareAnotherCheckRun")], ["correction", t("computeAnew")]],
 };
 
-export function FieldBalancingPanel({ machine }: { machine: Document }) {
-  const [step, setStep] = useState<BalancingStep | null>(null);
+interface Props {
+  machine: Document;
+  /** Out of sight; a step that is being entered stays. */
+  hidden?: boolean;
+  /** What speaks against balancing now; null for nothing. */
+  warning?: string | null;
+}
+
+/** The step that is being entered, of the balancing that was shown when it was opened. */
+interface OpenStep {
+  step: BalancingStep;
+  of: FieldBalancing | null;
+}
+
+export function FieldBalancingPanel({ machine, hidden = false, warning = null }: Props) {
+  const [open, setOpen] = useState<OpenStep | null>(null);
   const [chosen, setChosen] = useState<number | null>(null);
   const result = useResource<FieldBalancing[]>(`/machines/${machine.id}/balancings`, 30_000);
   const shown = result.data?.find((one) => one.id === chosen) ?? result.data?.[0];
   return (
-    <Panel
-      title={t("fieldBalancing")}
-      aside={
-        <span class="screen">
-          <button type="button" onClick={() => setStep("begin")}>
-            {t("beginDots")}
-          </button>{" "}
-          {shown && (
-            <button type="button" onClick={() => window.print()}>
-              {t("print")}
-            </button>
-          )}
-        </span>
-      }
-    >
-      <Loaded result={result} lines={6}>
-        {(list) =>
-          shown ? (
-            <>
-              {list.length > 1 && (
-                <label class="screen">
-                  {t("balancing")}{" "}
-                  <select value={shown.id} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
-                    {list.map((one) => (
-                      <option key={one.id} value={one.id}>{`${one.id}, ${term(one.state)}`}</option>
-                    ))}
-                  </select>
-                </label>
-              )}
-              <Steps found={shown} onStep={setStep} />
-              {shown.correction && <Correction found={shown.correction} check={shown.check} angles={scaleWords(shown, machine)} />}
-              {shown.check && <Check found={shown.check} />}
-              {shown.correction && <BalancingVectors correction={shown.correction} check={shown.check} />}
-            </>
-          ) : (
-            <Empty>{t("noBalancingYet")}</Empty>
-          )
-        }
-      </Loaded>
-      {step && <BalancingDialog machine={machine} step={step} balancing={step === "begin" ? null : (shown ?? null)} onClose={() => setStep(null)} />}
-    </Panel>
+    <>
+      <div hidden={hidden}>
+        <Panel title={t("fieldBalancing")} aside={<PanelButtons isShown={!!shown} onBegin={() => setOpen({ step: "begin", of: null })} />}>
+          <Loaded result={result} lines={6}>
+            {(list) =>
+              shown ? (
+                <>
+                  {list.length > 1 && <BalancingSelect list={list} shown={shown} onChoose={setChosen} />}
+                  <Steps found={shown} onStep={(step) => setOpen({ step, of: shown })} />
+                  {shown.correction && <Correction found={shown.correction} check={shown.check} angles={scaleWords(shown, machine)} />}
+                  {shown.check && <Check found={shown.check} />}
+                  {shown.correction && <BalancingVectors correction={shown.correction} check={shown.check} />}
+                </>
+              ) : (
+                <Empty>{t("noBalancingYet")}</Empty>
+              )
+            }
+          </Loaded>
+        </Panel>
+      </div>
+      {open && <BalancingDialog machine={machine} step={open.step} balancing={open.of} warning={warning} onClose={() => setOpen(null)} />}
+    </>
+  );
+}
+
+function PanelButtons({ isShown, onBegin }: { isShown: boolean; onBegin: () => void }) {
+  return (
+    <span class="screen">
+      <button type="button" onClick={onBegin}>
+        {t("beginDots")}
+      </button>{" "}
+      {isShown && (
+        <button type="button" onClick={() => window.print()}>
+          {t("print")}
+        </button>
+      )}
+    </span>
+  );
+}
+
+function BalancingSelect({ list, shown, onChoose }: { list: FieldBalancing[]; shown: FieldBalancing; onChoose: (id: number) => void }) {
+  return (
+    <label class="screen">
+      {t("balancing")}{" "}
+      <select value={shown.id} onChange={(event) => onChoose(Number(event.currentTarget.value))}>
+        {list.map((one) => (
+          <option key={one.id} value={one.id}>{`${one.id}, ${term(one.state)}`}</option>
+        ))}
+      </select>
+    </label>
   );
 }
 
@@ -146,6 +171,8 @@ function Correction({ found, check, angles }: { found: ProposedCorrection; check
 }
 
 function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
+  const { amplitude } = useUnits();
+  const told = (um: number | null | undefined) => (um === null || um === undefined ? "–" : `${number(um * amplitude.factor)} ${amplitude.label}`);
   const measured = (channel: string) => check?.channels.find((one) => one.channel === channel);
   return (
     <Scroll label={t("table")}>
@@ -162,11 +189,11 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
           {found.channels.map((one) => (
             <tr key={one.channel}>
               <td>{one.channel}</td>
-              <td class="number">{number(one.before_um_pp)} µm pp</td>
-              <td class="number">{t("belowAmplitude", { upper: number(one.upper_um_pp) })}</td>
+              <td class="number">{told(one.before_um_pp)}</td>
+              <td class="number">{t("belowAmplitude", { upper: told(one.upper_um_pp) })}</td>
               {check && (
                 <td class="number">
-                  {number(measured(one.channel)?.check_um_pp)} µm pp{measured(one.channel)?.kept === false && t("moreThanPromised")}
+                  {told(measured(one.channel)?.check_um_pp)}{measured(one.channel)?.kept === false && t("moreThanPromised")}
                 </td>
               )}
             </tr>
@@ -175,7 +202,7 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
       </table>
       {found.limit_um_pp !== null && (
         <p>
-          {t("limitOfDocument", { limit: number(found.limit_um_pp), verdict: stored(found.limit_verdict ?? ""), check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
+          {t("limitOfDocument", { limit: told(found.limit_um_pp), verdict: stored(found.limit_verdict ?? ""), check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
         </p>
       )}
     </Scroll>
@@ -183,10 +210,11 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
 }
 
 function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
+  const speedText = useSpeedText();
   return (
     <Scroll label={t("table")}>
       <h3>
-        {t("residualAsOfRigid", { grade: number(found.grade), speed: Math.round(found.service_rpm) })}
+        {t("residualAsOfRigid", { grade: number(found.grade), speed: speedText(found.service_rpm) })}
       </h3>
       <table>
         <thead>

@@ -14,7 +14,7 @@ export interface JournalLine {
   name: string;
   style: number;
   speed: number[];
-  /** From the bearing's centre, to the right and up [µm]. */
+  /** From the bearing's centre, to the right and up, in the plot's unit. */
   x: (number | null)[];
   y: (number | null)[];
   /** Drawn as points with a thin line between. */
@@ -23,23 +23,24 @@ export interface JournalLine {
 
 interface Props {
   bearing: string;
-  /** Radial [µm]. */
+  /** Radial, in the plot's unit. */
   clearance: number;
+  unit: string;
   lines: JournalLine[];
   speedUnit: string;
 }
 
-export function CentrelinePlot({ bearing, clearance, lines, speedUnit }: Props) {
+export function CentrelinePlot({ bearing, clearance, unit, lines, speedUnit }: Props) {
   const reach = Math.max(clearance, ...lines.flatMap(({ x, y }) => x.map((one, at) => Math.hypot(one ?? 0, y[at] ?? 0))));
   const scale = RADIUS / reach;
   const label = t("centrelineInBearing", { bearing });
   return (
     <figure>
       <figcaption>
-        <strong>{bearing}</strong> <span class="muted">{t("radialClearanceOf", { clearance: number(clearance) })}</span>
-        <SaveDrawing label={label} columns={() => columnsOf(lines, speedUnit)} />
+        <strong>{bearing}</strong> <span class="muted">{t("radialClearanceOf", { clearance: number(clearance), unit })}</span>
+        <SaveDrawing label={label} columns={() => columnsOf(lines, unit, speedUnit)} />
       </figcaption>
-      <svg viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`} role="img" aria-label={`${label}: ${lines.map((one) => spoken(one, speedUnit)).join("; ")}`}>
+      <svg viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`} role="img" aria-label={`${label}: ${lines.map((one) => spoken(one, unit, speedUnit)).join("; ")}`}>
         <path class="grid" d={`M${-RADIUS} 0H${RADIUS}M0 ${-RADIUS}V${RADIUS}`} />
         <text x={RADIUS + 5} y={3}>
           x
@@ -88,20 +89,20 @@ function Line({ line, scale }: { line: JournalLine; scale: number }) {
   );
 }
 
-function spoken(line: JournalLine, speedUnit: string): string {
+function spoken(line: JournalLine, unit: string, speedUnit: string): string {
   const places = placesOf(line);
   const [first, last] = [places[0], places.at(-1)];
   if (!first || !last) return t("noPlaceKnown", { name: line.name });
-  const at = ({ x, y, speed }: Place) => t("placeAtSpeed", { x: number(x), y: number(y), speed: `${number(speed, 4)} ${speedUnit}` });
+  const at = ({ x, y, speed }: Place) => t("placeAtSpeed", { x: number(x), y: number(y), unit, speed: `${number(speed, 4)} ${speedUnit}` });
   return t("centrelineSpoken", { name: line.name, first: at(first), last: at(last) });
 }
 
-function columnsOf(lines: JournalLine[], speedUnit: string): DataColumn[] {
+function columnsOf(lines: JournalLine[], unit: string, speedUnit: string): DataColumn[] {
   const rows = lines.flatMap((line) => placesOf(line).map((one) => ({ ...one, name: line.name })));
   return [
     { name: t("csvLine"), values: rows.map((one) => one.name) },
     { name: t("csvSpeedIn", { unit: speedUnit }), values: rows.map((one) => one.speed) },
-    { name: "x [µm]", values: rows.map((one) => one.x) },
-    { name: "y [µm]", values: rows.map((one) => one.y) },
+    { name: `x [${unit}]`, values: rows.map((one) => one.x) },
+    { name: `y [${unit}]`, values: rows.map((one) => one.y) },
   ];
 }

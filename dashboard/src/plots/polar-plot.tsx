@@ -18,12 +18,12 @@ const SPEED_APART = 7;
 interface Props {
   title: string;
   curves: PolarCurve[];
-  unit?: string;
+  unit: string;
   /** Of the speeds beside the curves. */
   speedUnit?: string;
 }
 
-export function PolarPlot({ title, curves, unit = "µm pp", speedUnit = t("rpm") }: Props) {
+export function PolarPlot({ title, curves, unit, speedUnit = t("rpm") }: Props) {
   const [place, setPlace] = useState<PointPlace | null>(null);
   const largest = Math.max(1e-9, ...curves.flatMap((one) => [...one.amplitude.map((value) => (value ?? 0) + (one.radius ?? 0)), regionReach(one)]));
   const ring = niceStep(largest / 3);

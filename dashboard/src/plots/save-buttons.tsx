@@ -1,5 +1,5 @@
 // Buttons that save a plot as a picture, and its data.
-import { saveCsv, savePng, saveSvg, type DataColumn } from "../browser/download";
+import { saveCsv, savePng, saveSvg, svgText, type DataColumn } from "../browser/download";
 import { cssColour } from "../browser/theme";
 import { t } from "../messages/messages";
 
@@ -22,7 +22,7 @@ export function SaveButtons({ label, columns, canvas }: Props & { canvas: () => 
 export function SaveDrawing({ label, columns }: Props) {
   const save = (event: Event) => {
     const found = (event.currentTarget as HTMLElement).closest("figure")?.querySelector("svg");
-    if (found) saveSvg(label, found);
+    if (found) saveSvg(label, svgText(found));
   };
   return (
     <span class="saves screen">
@@ -31,11 +31,11 @@ export function SaveDrawing({ label, columns }: Props) {
   );
 }
 
-/** Of what is drawn with the page's own means, of which there is no picture to save. */
-export function SaveData({ label, columns }: Props) {
+/** Of what is drawn with the page's own means: its picture is made when it is asked for. */
+export function SavePicture({ label, columns, picture }: Props & { picture: () => string }) {
   return (
     <span class="saves screen">
-      <CsvButton label={label} columns={columns} />
+      <Buttons label={label} columns={columns} kind="SVG" onSave={() => saveSvg(label, picture())} />
     </span>
   );
 }
@@ -46,15 +46,9 @@ function Buttons({ label, columns, kind, onSave }: Props & { kind: string; onSav
       <button type="button" aria-label={t("saveAsLabel", { kind, label })} title={t("saveAs", { kind })} onClick={onSave}>
         {kind}
       </button>
-      <CsvButton label={label} columns={columns} />
+      <button type="button" aria-label={t("saveDataLabel", { label })} title={t("saveTheDataAsCsv")} onClick={() => saveCsv(label, columns())}>
+        CSV
+      </button>
     </>
-  );
-}
-
-function CsvButton({ label, columns }: Props) {
-  return (
-    <button type="button" aria-label={t("saveDataLabel", { label })} title={t("saveTheDataAsCsv")} onClick={() => saveCsv(label, columns())}>
-      CSV
-    </button>
   );
 }

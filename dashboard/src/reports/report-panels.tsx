@@ -3,11 +3,11 @@ import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
 import { Severity } from "../components/severity";
+import { useSpeedText } from "../components/speed";
 import { Time } from "../components/time";
 import { isComparable } from "../data/newest-identification";
 import { useResource, type QueryResult } from "../data/resource";
 import { elementName } from "../format/names";
-import { rpm } from "../format/numbers";
 import { rich, stored, t, term } from "../messages/messages";
 import { AlertAdvice } from "../panels/alert-advice";
 import type { Alert } from "../schemas/alerts";
@@ -28,13 +28,14 @@ interface SummaryProps {
 }
 
 export function Summary({ runs, identifications, alerts, to }: SummaryProps) {
+  const speedText = useSpeedText();
   const accepted = identifications?.filter((one) => one.accepted).length;
   const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
   return (
     <p>
       {t("reportSummary", {
         runs: counted(runs?.length, "oneRun", "manyRuns"),
-        speed: speeds.length > 0 && t("upToSpeed", { speed: rpm(Math.max(...speeds)) }),
+        speed: speeds.length > 0 && t("upToSpeed", { speed: speedText(Math.max(...speeds)) }),
         identifications: counted(identifications?.length, "oneIdentification", "manyIdentifications"),
         accepted: accepted ?? "…",
         alerts: counted(alerts?.length, "oneAlert", "manyAlerts"),

@@ -1,9 +1,9 @@
 // The response of the run that a report's identification is of, beside the first run of its baseline: Bode, polar, orbits.
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
+import { useSpeedText } from "../components/speed";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
-import { rpm } from "../format/numbers";
 import { RunResponse } from "../identification/run-response";
 import { t } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
@@ -50,8 +50,9 @@ function useReference(machine: string, newest: Identification): Run | undefined 
 function OrbitsOfRun({ machine, run, reference }: { machine: Document; run: Run; reference: Run | undefined }) {
   const speed = runningSpeed(machine, run);
   const { result } = useOrbits(machine.id, run, reference, speed);
+  const speedText = useSpeedText();
   return (
-    <Panel class="whole" title={t("orbitsAtRunningSpeed", { speed: rpm(speed) })}>
+    <Panel class="whole" title={t("orbitsAtRunningSpeed", { speed: speedText(speed) })}>
       <Loaded result={result} lines={20}>
         {({ found, other }) => <OrbitPlots found={found} other={other} second={false} />}
       </Loaded>

@@ -82,6 +82,8 @@ export interface FleetMachine {
   unacknowledged: number;
   /** The open alert to look at first. */
   first_alert: { id: number; severity: string; rule: string; element: string; state: string } | null;
+  /** An identification that failed, after which none has ended well. */
+  failed_job: { id: number; error: string | null } | null;
   happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline" | "refused", number>;
 }
 

@@ -6,13 +6,13 @@ import { useUnits } from "../browser/units";
 import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { RunSelect } from "../components/run-select";
-import { Speed } from "../components/speed";
+import { Speed, useSpeedText } from "../components/speed";
 import type { ApiError } from "../data/http-client";
 import { useLastComplete } from "../data/last-complete";
 import { useResource, type QueryResult } from "../data/resource";
 import { useRunIdentification } from "../data/run-identification";
 import { useRunSelection } from "../data/run-selection";
-import { number, rpm } from "../format/numbers";
+import { number } from "../format/numbers";
 import { rich, stored, t } from "../messages/messages";
 import { niceStep } from "../plots/axis-steps";
 import { OrbitPlot } from "../plots/orbit-plot";
@@ -98,7 +98,8 @@ function SpeedSlider({ low, high, speed }: { low: number; high: number; speed: n
 }
 
 export function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boolean }) {
-  const { amplitude, speed } = useUnits();
+  const { amplitude } = useUnits();
+  const speedText = useSpeedText();
   const all = [...found.orbits, ...(other?.orbits ?? [])];
   const reach = (one: Orbit) => one.semi_major_um + (second && one.x_2x && one.y_2x ? size(one.x_2x, one.y_2x) : 0);
   const shown = niceStep(Math.max(1e-6, ...all.map(reach)) * amplitude.factor);
@@ -116,7 +117,7 @@ export function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second
             ring={shown / amplitude.factor}
             second={second}
             unit={amplitude}
-            speed={(value) => (speed.factor === 1 ? rpm(value) : `${number(value * speed.factor, 4)} ${speed.label}`)}
+            speed={speedText}
           />
         ))}
       </div>

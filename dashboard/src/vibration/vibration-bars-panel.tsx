@@ -7,12 +7,14 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { when } from "../format/times";
 import { rich, t, term } from "../messages/messages";
-import { SaveData } from "../plots/save-buttons";
+import { SavePicture } from "../plots/save-buttons";
 import type { Document } from "../schemas/machines";
 import type { ProbeVibration, Vibration, VibrationLimits } from "../schemas/vibration";
 import { slowRollText } from "../words/slow-roll";
 import { LEVEL_SIGNS, limitsText, vibrationLevel, zoneBoundaries, zonesText } from "../words/vibration-limits";
+import { barsPicture, type PictureLine } from "./bars-picture";
 
 const POLL_MS = 2000;
 /** The longest bar ends before the panel does. */
@@ -47,12 +49,14 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
 
 /** When the newest of them was measured, and how fast the shaft turned. */
 function Newest({ found }: { found: Vibration | undefined }) {
+  const { amplitude } = useUnits();
   const newest = found?.probes.reduce<ProbeVibration | undefined>((one, other) => ((one?.time ?? "") > (other.time ?? "") ? one : other), undefined);
   if (!found || !newest?.time) return null;
+  const { time } = newest;
   return (
     <div class="muted">
-      {rich("at", { time: <Time at={newest.time} />, speed: <Speed rpm={newest.speed_rpm} /> })}{" "}
-      <SaveData label={t("vibrationAtTheProbes")} columns={() => columnsOf(found.probes)} />
+      {rich("at", { time: <Time at={time} />, speed: <Speed rpm={newest.speed_rpm} /> })}{" "}
+      <SavePicture label={t("vibrationAtTheProbes")} columns={() => columnsOf(found.probes)} picture={() => pictureOf(found, when(time), amplitude)} />
     </div>
   );
 }
@@ -81,10 +85,9 @@ interface BarProps {
 }
 
 function Bar({ probe, limits, full, fullGap, unit }: BarProps) {
-  const { channel, first, second, overall_um_pp: overall, zone, gap_um: gap } = probe;
+  const { channel, first, second, overall_um_pp: overall, gap_um: gap } = probe;
   const level = vibrationLevel(first?.amplitude_um_pp, limits);
   const part = (value: number) => `${((100 * value) / full).toFixed(2)}%`;
-  const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
   return (
     <li class={level} data-channel={channel}>
       <strong>
@@ -99,15 +102,43 @@ function Bar({ probe, limits, full, fullGap, unit }: BarProps) {
         {limits.danger_um_pp !== null && <span class="limit danger" style={{ left: part(limits.danger_um_pp) }} />}
       </span>
       <span class="told">
-        {first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t("noGoodValue")}
-        {second && `; 2× ${told(second.amplitude_um_pp)}`}
-        {overall !== null && `; ${t("overallText", { amplitude: told(overall) })}`}
-        {zone && t("inZone", { zone })}
+        {probeText(probe, unit)}
         {(level === "alert" || level === "danger") && <span class="hidden">: {term(level)}</span>}
       </span>
       {gap !== null && <Gap gap={gap} full={fullGap} />}
     </li>
   );
+}
+
+function probeText({ first, second, overall_um_pp: overall, zone }: ProbeVibration, unit: Unit): string {
+  const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
+  const parts = [
+    first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t("noGoodValue"),
+    ...(second ? [`2× ${told(second.amplitude_um_pp)}`] : []),
+    ...(overall === null ? [] : [t("overallText", { amplitude: told(overall) })]),
+  ];
+  return parts.join("; ") + (zone ? t("inZone", { zone }) : "");
+}
+
+function pictureOf(found: Vibration, time: string, unit: Unit): string {
+  const full = fullScale(found);
+  const part = (value: number | null | undefined) => (value === null || value === undefined ? null : value / full);
+  const bars = found.probes.map((one) => ({
+    channel: one.channel,
+    level: vibrationLevel(one.first?.amplitude_um_pp, found.limits),
+    told: probeText(one, unit),
+    first: part(one.first?.amplitude_um_pp),
+    second: part(one.second?.amplitude_um_pp),
+    overall: part(one.overall_um_pp),
+  }));
+  const { alert_um_pp: alert, danger_um_pp: danger, severity_zones: zones } = found.limits;
+  const hasOverall = found.probes.some((one) => one.overall_um_pp !== null);
+  const lines: PictureLine[] = [
+    ...(alert === null ? [] : [{ at: alert / full, kind: "alert" as const }]),
+    ...(danger === null ? [] : [{ at: danger / full, kind: "danger" as const }]),
+    ...(hasOverall ? zoneBoundaries(zones).map(([, value]) => ({ at: value / full, kind: "boundary" as const })) : []),
+  ];
+  return barsPicture(`${t("vibrationAtTheProbes")}, ${time}`, bars, lines, `${signs(found)}. ${limitsText(found.limits, unit)}`);
 }
 
 /** The place of the shaft at a probe that sends gaps, from a zero of the probe's own; full: the longest bar. */

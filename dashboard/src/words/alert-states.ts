@@ -1,5 +1,5 @@
 // An alert's states (ISA-18.2) in words, and the actions that each allows.
-import { findingLabel } from "../findings/findings";
+import { findingLabel, findingTitle } from "../findings/findings";
 import { elementName } from "../format/names";
 import { t, term } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
@@ -54,8 +54,7 @@ export function availableActions(alert: Alert): AlertAction[] {
 
 /** What an alert is about, as a heading: `Misalignment of coupling C1`. */
 export function alertTitle({ rule, element }: Pick<Alert, "rule" | "element">): string {
-  const words = `${findingLabel(rule)}${element.startsWith(`${rule}.`) ? ` ${element.slice(rule.length + 1)}` : t("ofElement", { element: elementName(element) })}`;
-  return words.charAt(0).toUpperCase() + words.slice(1);
+  return findingTitle(rule, element);
 }
 
 /** The API's limit for a comment. */

@@ -67,6 +67,13 @@ class FirstAlert(BaseModel):
     state: str
 
 
+class FailedJob(BaseModel):
+    """An identification that failed, after which none of the machine has ended well."""
+
+    id: int
+    error: str | None
+
+
 class FleetMachine(BaseModel):
     """A machine's row in the overview."""
 
@@ -84,6 +91,7 @@ class FleetMachine(BaseModel):
     open_alerts: dict[str, int] = Field(description="by severity: alert, danger")
     unacknowledged: int = Field(description="open alerts that nobody has seen")
     first_alert: FirstAlert | None
+    failed_job: FailedJob | None
     happened: Happened
 
 
@@ -105,7 +113,7 @@ async def read_fleet(
 ) -> Response:
     """List every machine with its state, last run, open alerts, and the events since a time.
 
-    Speeds, states and progress may be half a second behind what is stored, `refused` a minute; everything else is current.
+    Speeds, states and progress may be half a second behind what is stored, `refused` and `failed_job` a minute; everything else is current.
     """
     asked_at = now()
     begin = (asked_at - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)

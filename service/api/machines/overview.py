@@ -88,6 +88,7 @@ def _row(one: MachineGlance, standing: CollectionState | None) -> OverviewRow:
         "open_alerts": {label: one.open_alerts.get(severity, 0) for severity, label in LABELS},
         "unacknowledged": one.unacknowledged,
         "first_alert": _first_alert(one.first_alert),
+        "failed_job": None if one.failed_job is None else {"id": one.failed_job.id, "error": one.failed_job.error},
         "happened": one.since,
     }
 

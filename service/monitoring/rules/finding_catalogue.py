@@ -4,16 +4,15 @@ The import of this module fails unless each of the estimator's `FINDING_KINDS` h
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import get_args
 
+from estimator.diagnosis.finding_kind import ElementKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
+from estimator.machine.parameter_description import describe
 from service.monitoring.rules.drift_rule import RATE_OF_CHANGE, RATE_RULE
 from service.monitoring.rules.finding_rule import AlertRule, FindingRule
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.language import Language
-
-if TYPE_CHECKING:
-    from estimator.diagnosis.finding_kind import ElementKind
 
 
 def require_complete(declared: Sequence[FindingRule], kinds: Iterable[str]) -> Mapping[str, FindingRule]:
@@ -47,6 +46,17 @@ def finding_name(kind: str, language: Language) -> str:
     return rule_of_kind(kind).name_in(language) if is_finding(kind) or kind == RATE_RULE.kind else language.named(kind)
 
 
+def finding_at(kind: str, element: str, language: Language) -> str:
+    """Return a finding with its element as both stand within a sentence: `misalignment of coupling C1`, `bearing B1 itself`."""
+    said, finding = describe(element), finding_name(kind, language)
+    if not said.element_id:  # of the machine as a whole
+        return finding
+    # A finding that is called as elements are is the element's own.
+    if kind in get_args(ElementKind) or finding == language.named(said.element_kind):
+        return language.translate("itself", element=language.element(element))
+    return language.translate("finding_of", finding=finding, element=language.element(element))
+
+
 def is_finding(kind: str) -> bool:
     """Return whether a kind of finding exists."""
     return kind in _BY_KIND
@@ -71,7 +81,7 @@ LIMITED_RULES: Mapping[str, AlertRule] = {
 """Alert rules with limits, by name, in the order of display."""
 
 
-def concerned_elements(rule: AlertRule) -> tuple["ElementKind", ...]:
+def concerned_elements(rule: AlertRule) -> tuple[ElementKind, ...]:
     """Return the kinds of elements that a rule concerns."""
     of_findings = (kind for one in FINDING_RULES if one.rule is rule for kind in finding_kind(one.kind).elements)
     return tuple(dict.fromkeys((*of_findings, *rule.elements)))

@@ -23,7 +23,7 @@ MEASUREMENT_FINDINGS: tuple[FindingRule, ...] = (
     FindingRule(
         "run_out",
         RUN_OUT,
-        {"de": "Runout"},
+        {"en": "run-out", "de": "Runout"},
         {
             "en": FindingTexts(
                 what="The run-out at probe {id} has changed by {size}, {compared}, since {since}",
@@ -47,7 +47,7 @@ MEASUREMENT_FINDINGS: tuple[FindingRule, ...] = (
     FindingRule(
         "sensor",
         SENSOR,
-        {"de": "Messkette"},
+        {"en": "measuring chain", "de": "Messkette"},
         {
             "en": FindingTexts(
                 what="Probe {id} {size}, {compared}, since {since}",
@@ -81,7 +81,7 @@ MEASUREMENT_FINDINGS: tuple[FindingRule, ...] = (
     FindingRule(
         "misfit",
         AlertRule("misfit"),
-        {"de": "Modell passt nicht"},
+        {"en": "model does not fit", "de": "Modell passt nicht"},
         {
             "en": FindingTexts(
                 what="No fit explains the machine's newest runs: its model does not hold any more, or its data are wrong, "

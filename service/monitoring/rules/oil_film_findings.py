@@ -94,7 +94,7 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
     FindingRule(
         "oil",
         OIL,
-        {"de": "Öl"},
+        {"en": "oil viscosity", "de": "Ölviskosität"},
         {
             "en": FindingTexts(
                 what="The oil in the bearings is of another viscosity, {size}: look at its grade and temperature, "
@@ -122,7 +122,7 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
     FindingRule(
         "process_force",
         PROCESS_FORCE,
-        {"de": "statische Kraft"},
+        {"en": "static force", "de": "Prozesskraft"},
         {
             "en": FindingTexts(
                 what="The static force {id} has changed: {size}, {compared}, since {since}",
@@ -133,19 +133,19 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
                 not_determined=("What changes static force {id}", "A force that no static load of the document stands for"),
             ),
             "de": FindingTexts(
-                what="Die statische Kraft {id} hat sich geändert: {size}, {compared}, seit {since}",
-                check=("Leistung, Ventile und Drücke seit {since}: woher die statische Kraft {id} kommt",),
+                what="Die Prozesskraft {id} hat sich geändert: {size}, {compared}, seit {since}",
+                check=("Leistung, Ventile und Drücke seit {since}: woher die Prozesskraft {id} kommt",),
                 in_operation=(
-                    "Einen Auslauf bei üblicher Leistung aufnehmen: er zeigt, ob die statische Kraft {id} ihr folgt",
+                    "Einen Auslauf bei üblicher Leistung aufnehmen: er zeigt, ob die Prozesskraft {id} ihr folgt",
                 ),
                 at_next_stop=(
-                    "Ventile, Düsen, Zähne oder Rohre ansehen, von denen die statische Kraft {id} kommt",
+                    "Ventile, Düsen, Zähne oder Rohre ansehen, von denen die Prozesskraft {id} kommt",
                     NEW_BASELINE_DE,
                 ),
                 confirm=("Eine Leistung oder ein Druck, die sich mit ihr geändert haben",),
                 not_determined=(
-                    "Was die statische Kraft {id} ändert",
-                    "Eine Kraft, für die im Dokument keine statische Kraft steht",
+                    "Was die Prozesskraft {id} ändert",
+                    "Eine Kraft, für die im Dokument keine statische Last steht",
                 ),
             ),
         },
@@ -229,7 +229,7 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
                 not_determined=("Which bearing it begins in",),
             ),
             "de": FindingTexts(
-                what="Die Maschine ist nahe am Ölwirbel in ihren Schmierfilmen: bei Betriebsdrehzahl hat ihre am wenigsten "
+                what="Die Maschine ist nahe am Ölwirbel in ihren Ölfilmen: bei Betriebsdrehzahl hat ihre am wenigsten "
                 "gedämpfte Eigenform ein logarithmisches Dekrement unter 0,1 (API 617), und weniger als die Hälfte dessen, "
                 "was sie mit solchem Öl hatte, {compared}, seit {since}",
                 check=(

@@ -82,7 +82,7 @@ ROTOR_FINDINGS: tuple[FindingRule, ...] = (
     FindingRule(
         "rotating_coupling",
         ROTATING_COUPLING,
-        {"de": "Rundlauf der Kupplung"},
+        {"en": "rim and face run-out", "de": "Rund- und Planlauf"},
         {
             "en": FindingTexts(
                 what="The run-out of coupling {id} has changed, {size}: it turns with the shaft, whatever the speed, "
@@ -102,8 +102,8 @@ ROTOR_FINDINGS: tuple[FindingRule, ...] = (
                 not_determined=("Which of the two hubs of coupling {id} it is",),
             ),
             "de": FindingTexts(
-                what="Der Rundlauf von Kupplung {id} hat sich geändert, {size}: die Abweichung dreht mit der Welle, bei jeder "
-                "Drehzahl, {compared}, seit {since}",
+                what="Der Rundlauf von Kupplung {id} hat sich geändert, {size}: die Abweichung dreht sich mit der Welle, bei "
+                "jeder Drehzahl, {compared}, seit {since}",
                 check=(
                     "Was am {since} an Kupplung {id} getan wurde: Naben neu aufgezogen, Schrauben, Zwischenstück oder "
                     "Markierungen, die nicht zusammenpassen",
@@ -149,7 +149,7 @@ ROTOR_FINDINGS: tuple[FindingRule, ...] = (
                 at_next_stop=("Rundlauf von Welle {id} mit einer Messuhr über ihre Länge messen",),
                 confirm=(
                     "Ein Rundlauf nach Messuhr, der ebenso groß ist",
-                    "Ein Slow-Roll, der fällt, während Welle {id} langsam dreht",
+                    "Ein Slow-Roll, der fällt, während sich Welle {id} langsam dreht",
                 ),
                 not_determined=("Ob Welle {id} bleibend oder nur durch Wärme krumm ist",),
             ),

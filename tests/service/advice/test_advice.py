@@ -119,7 +119,7 @@ def test_evidence_of_another_release_is_told_by_kind_and_element(caplog: pytest.
     older = FindingFacts("pump-7", "misalignment", "coupling.C1", {"coupling": "C1", "shift": 0.1}, None, MEASURED)
     assert advice_of(older, SiteTexts()) is None
     assert advice_of(FindingFacts("pump-7", "rub", "shaft.S1", EVIDENCE, None, MEASURED), SiteTexts()) is None
-    assert plain_message("run_out", "probe.B1X") == "Run out of probe B1X"
+    assert plain_message("run_out", "probe.B1X") == "Run-out of probe B1X"
     assert plain_message("bearing", "bearing.B1") == "Bearing B1 itself"
 
 
@@ -132,7 +132,7 @@ def test_a_finding_is_told_in_german() -> None:
         "gegen den Referenzzustand, seit 2026-10-22"
     )
     assert one.how_sure.words == (
-        "12 σ für alles zusammen über die neuesten 2 Läufe gemeinsam; 7,4-mal wahrscheinlicher als die nächste Erklärung: "
+        "12 σ für alles zusammen über die neuesten 2 Läufe gemeinsam; 7,4 Mal so wahrscheinlich wie die nächste Erklärung: "
         "Kupplung C1 selbst"
     )
     assert one.how_urgent.words == (

@@ -57,7 +57,7 @@ def test_what_a_language_lacks_is_said_in_english(monkeypatch: pytest.MonkeyPatc
     assert GERMAN.translate("compared.mean", runs=3) == "mean of the newest 3 runs against the baseline"
     assert GERMAN.translate("wear", grown="3", after=79.0, before=69.0) == "3 % larger, 79 µm in place of 69 µm"
     assert GERMAN.named("run_up") == "run-up"
-    assert GERMAN.named("static_load") == "static load"
+    assert GERMAN.named("static_load") == "static force"
 
 
 def test_fractions_have_the_decimal_mark_of_the_language() -> None:

@@ -1,14 +1,18 @@
 """All machines at a glance: state, runs, alerts, and what happened since a time."""
 
 from datetime import UTC, datetime, timedelta
+from typing import Any
 
 import pytest
+from sqlalchemy.orm import Session
 
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
 from service.runs.collector import Collector
 from storage.database.engine import Database
+from storage.findings import jobs
 from storage.machines import machines
+from storage.tables.findings import JobRow
 from tests.api_in_process import Api, fields
 from tests.plant import START, arrived, batch, identification, machine, store_identification, sweep_rpm
 from tests.prompt_journal import PromptJournal
@@ -54,6 +58,27 @@ def test_each_machine_at_a_glance(api: Api) -> None:
     assert pump["open_run"]["progress"] == pytest.approx(0.5, abs=0.05)
     assert (pump["newest_sample_at"], pump["state_since"]) == (state["newest_sample_at"], state["since"])
     assert pump["last_identification"]["accepted"] is True
+
+
+def test_an_identification_that_failed_is_told_until_one_ends_well(plant: Database, api: Api) -> None:
+    def failed() -> Any:
+        return api.value("/fleet", since=next(times))["machines"][1]["failed_job"]
+
+    times = iter(["2020-01-01T00:00:00Z", "2020-01-02T00:00:00Z", "2020-01-03T00:00:00Z"])  # asked anew, not kept from before
+    assert failed() is None
+    with plant.transaction() as session:
+        for run, state, error in ((201, jobs.DONE, None), (202, jobs.FAILED, "NotEnoughData: 3 samples")):
+            jobs.finish(_enqueued(session, run), state=state, error=error)
+    assert failed()["error"] == "NotEnoughData: 3 samples"
+    with plant.transaction() as session:
+        jobs.finish(_enqueued(session, 203), state=jobs.DONE)
+    assert failed() is None
+
+
+def _enqueued(session: Session, run: int) -> JobRow:
+    found = jobs.enqueue(session, "pump-7", scope="run", run_ids=[run])
+    assert found is not None
+    return found
 
 
 def test_what_happened_since(api: Api) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import pytest
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
-from service.monitoring.rules.finding_catalogue import LIMITED_RULES, finding_name, require_complete
+from service.monitoring.rules.finding_catalogue import LIMITED_RULES, finding_at, finding_name, require_complete
 from service.monitoring.rules.finding_rule import AlertRule, FindingRule
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.monitoring.rules.limit_rule import Level, Rule
@@ -101,6 +101,21 @@ def test_a_finding_is_named_in_each_language() -> None:
     assert finding_name("light_load", GERMAN) == "zu geringe Lagerlast"
     assert finding_name("rate_of_change", GERMAN) == "Änderungsrate"
     assert finding_name("rubs_of_old", GERMAN) == "rubs of old"
+
+
+@pytest.mark.parametrize(
+    ("kind", "element", "english", "german"),
+    [
+        ("misalignment", "coupling.C1", "misalignment of coupling C1", "Ausrichtfehler an Kupplung C1"),
+        ("heavy_load", "bearing.B2", "heavy load of bearing B2", "zu hohe Lagerlast an Lager B2"),
+        ("bearing", "seal.S2", "seal S2 itself", "Dichtung S2 selbst"),
+        ("process_force", "static_load.F1", "static force F1 itself", "Prozesskraft F1 selbst"),
+        ("misfit", "machine", "model does not fit", "Modell passt nicht"),
+        ("rubs_of_old", "shaft.S1", "rubs of old of shaft S1", "rubs of old an Welle S1"),
+    ],
+)
+def test_a_finding_is_told_with_its_element(kind: str, element: str, english: str, german: str) -> None:
+    assert (finding_at(kind, element, ENGLISH), finding_at(kind, element, GERMAN)) == (english, german)
 
 
 def test_the_documentation_has_every_kind_and_every_rule() -> None:
