@@ -138,7 +138,7 @@ def _both(trials: Sequence[HeldOut]) -> str:
 PARTS: dict[str, Callable[[bool], Iterator[ReportLine]]] = {
     "folds": _shared_conditions,
     "three-runs": _three_runs,
-    "printed": lambda _: printed_balancing(),
+    "printed": lambda _: iter(printed_balancing()),
     "influence": _influence,
     "simulated": _simulated_kits,
     "trains": _trains,

@@ -253,13 +253,14 @@ def test_runs_are_checked_in_another_process_and_in_no_transaction_and_not_at_al
 def test_one_asked_for_again_when_samples_are_gone_is_refused_with_the_reason(database: Database, api: Api) -> None:
     """The check of its runs is known by then."""
     rig = Rig(database)
-    path, said = f"/machines/{rig.machine.id}/model-calibrations", {"runs": asked(rig), "by": "Ada"}
+    path, calibrating = f"/machines/{rig.machine.id}/model-calibrations", asked(rig)
+    said = {"runs": calibrating, "by": "Ada"}
     first = api("POST", path, 202, json=said)
     with database.transaction() as session:
         session.execute(update(JobRow).values(state=jobs.DONE))
         session.execute(update(RunRow).values(data=None, released_at=START))
     again = api("POST", path, 410, json=said)
-    assert f"the samples of run {said['runs'][0]['run']} were deleted" in again["detail"]
+    assert f"the samples of run {calibrating[0]['run']} were deleted" in again["detail"]
     assert [one["id"] for one in api("GET", path)] == [first["id"]]
 
 

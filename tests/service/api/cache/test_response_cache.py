@@ -270,7 +270,7 @@ class Busy:
             return {"type": "http.disconnect"}
 
         state = {"principal": Principal(who, Role.VIEWER, None, "key", f"key {who}")}
-        request = Request(asked(path).scope | {"state": state}, receive)
+        request = Request(dict(asked(path).scope) | {"state": state}, receive)
         self._tasks.append(task := asyncio.create_task(self.cache.answer(request, TABLES, make)))
         return task
 
