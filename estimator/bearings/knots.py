@@ -13,6 +13,7 @@ from estimator.arrays import Floats
 from estimator.bearings.defaults import FormDefaults
 from estimator.bearings.mixed_coefficient import MixedCoefficient
 from estimator.bearings.model import CoefficientModel, ModelParameter
+from estimator.bearings.terms import TERMS
 from estimator.field_types import Part, Positive
 from estimator.units import rpm_to_rad_per_s
 
@@ -117,7 +118,9 @@ class SpeedDependence(FormDefaults, Part):
         description="one polynomial through all knots, or straight lines from knot to knot"
     )
     knots_rpm: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=12)] = Field(description="ascending [r/min]")
-    coefficients: tuple[str, ...] | None = Field(default=None, description="which of them, by default all, such as [kxx, kyy]")
+    coefficients: Annotated[tuple[str, ...], Field(max_length=len(TERMS), fail_fast=True)] | None = Field(
+        default=None, description="which of them, by default all, such as [kxx, kyy]"
+    )
 
     @model_validator(mode="after")
     def _ascending(self) -> Self:

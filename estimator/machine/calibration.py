@@ -13,7 +13,7 @@ MOST_PARAMETERS = 400
 LEAST_CORRELATION_EIGENVALUE = -1e-9
 """Eigenvalue of the correlation matrix below which a covariance is none [-]; rounding leaves some that are nearly zero."""
 
-CovarianceRow = Annotated[tuple[Real, ...], Field(max_length=MOST_PARAMETERS)]
+CovarianceRow = Annotated[tuple[Real, ...], Field(max_length=MOST_PARAMETERS, fail_fast=True)]
 CalibratedName = Annotated[Text, Field(min_length=1, max_length=200)]
 
 
@@ -47,14 +47,14 @@ class Calibration(Part):
     Parameters are the real coordinates of a fit: positive ones as logarithms, complex ones as `.real` and `.imaginary`.
     """
 
-    parameters: Annotated[tuple[CalibratedName, ...], Field(min_length=1, max_length=MOST_PARAMETERS)] = Field(
+    parameters: Annotated[tuple[CalibratedName, ...], Field(min_length=1, max_length=MOST_PARAMETERS, fail_fast=True)] = Field(
         description="names of the coordinates, in the order of `values`"
     )
     values: CovarianceRow = Field(description="[SI, logarithms of positive ones]")
-    covariance: Annotated[tuple[CovarianceRow, ...], Field(max_length=MOST_PARAMETERS)] = Field(
+    covariance: Annotated[tuple[CovarianceRow, ...], Field(max_length=MOST_PARAMETERS, fail_fast=True)] = Field(
         description="[products of their units]"
     )
-    unbalances: tuple[CalibratedName, ...] = Field(
+    unbalances: Annotated[tuple[CalibratedName, ...], Field(max_length=MOST_PARAMETERS, fail_fast=True)] = Field(
         default=(), description="parameters that later fits find anew: the machine's own"
     )
     mounting: Annotated[tuple[MountingSpread, ...], Field(max_length=300)] = ()

@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
 from estimator.phasors.slow_roll import SlowRoll
+from service.api.conventions.problems import Unsuitable
 from service.api.conventions.units import Units
 from service.api.measurements import rendering, schemas
 from service.identification import job_options
@@ -21,6 +22,10 @@ SlowRollQuery = Annotated[
     str,
     Query(pattern=r"^(none|in_force|[0-9]{1,9})$", description="vectors to subtract: `none`, `in_force` or a version"),
 ]
+
+
+MOST_VALUES = 1_500_000
+"""Most values of an answer: each takes some 50 bytes while it is made, and several answers are made at a time."""
 
 
 def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
@@ -57,10 +62,25 @@ def corrected_phasors(
     units: Units | None,
     include: Collection[schemas.PhasorExtra] = (),
 ) -> schemas.Phasors:
-    """Return samples without the chosen vectors, and in further units where requested."""
+    """Return samples without the chosen vectors, and in further units where requested.
+
+    Raises SlowRollUnknown, and Unsuitable for more values than an answer may have.
+    """
+    _require_bounded(held, 1 if units is None else 2, include)
     version, vectors, left_out = chosen(session, machine, choice)
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))
     answer = rendering.phasors(machine, held, include)
     in_units = None if units is None else rendering.phasors_in_units(held, units, include)
     return answer.model_copy(update={"slow_roll_version": version, "slow_roll_left_out": left_out, "in_units": in_units})
+
+
+def _require_bounded(held: Samples, times: int, include: Collection[schemas.PhasorExtra]) -> None:
+    count, channels = held.phasor.shape
+    for_each = times * channels * (2 + len(set(include)) + ("2x" in include))
+    if count * for_each > MOST_VALUES:
+        raise Unsuitable(
+            f"{count} samples of {channels} channels would be {count * for_each} values; at most {MOST_VALUES} come in an "
+            f"answer: ask for {MOST_VALUES // for_each} samples at a time, with `limit`, from and to, at "
+            f"GET /api/v1/machines/<id>/samples"
+        )

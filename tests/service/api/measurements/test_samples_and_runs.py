@@ -2,12 +2,14 @@
 
 import csv
 import io
+import re
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import numpy as np
 import pytest
 
+from service.api.measurements import corrections
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.measurements import samples as sample_store
@@ -52,6 +54,19 @@ def test_samples_as_a_table_have_a_row_for_each_sample_and_channel(plant: Databa
         assert float(row["speed_rpm"]) == pytest.approx(told["speed_rpm"][sample])
         for name in ("amplitude_um_pp", "phase_lag_deg"):
             assert (float(row[name]) if row[name] else None) == told[name][channel][sample]
+
+
+def test_more_values_than_an_answer_may_have_are_refused_with_how_many_may_be_asked_for(
+    told: Api, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten thousand samples of 120 channels with all that sources send were 132 MB, and twelve readers 2.7 GB of memory."""
+    monkeypatch.setattr(corrections, "MOST_VALUES", 100)
+    assert len(told.value("/machines/pump-7/samples", limit=12)["time"]) == 12
+    for said in ({}, {"include": "2x"}, {"include": "2x,scatter", "units": "mil"}):
+        refused = problem(told.get("/machines/pump-7/samples", limit=13, **said), 422)
+        most = int(re.search(r"ask for (\d+) samples", refused["detail"])[1])  # type: ignore[index]
+        assert len(told.value("/machines/pump-7/samples", limit=most, **said)["time"]) == most
+        problem(told.get("/machines/pump-7/samples", limit=most + 1, **said), 422)
 
 
 def test_samples_before_those_that_were_read(told: Api) -> None:
