@@ -12,6 +12,7 @@ from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
 from estimator.calibration.likely_gains import unlikely_gains
+from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
@@ -105,11 +106,12 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         FitFailed: No start leads to a finite misfit.
         SingularCondensation: The train cannot be condensed at a speed.
     """
-    return _calibrated(machine, runs, check_runs(machine, runs), seed, MOST_OF_SWEEPS)
+    remarks, mixed = check_runs(machine, runs), mixed_units([disc.id for disc in machine.discs], runs)
+    return _calibrated(machine, runs, (*remarks, *(() if mixed is None else (mixed.remark,))), seed, MOST_OF_SWEEPS)
 
 
 def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibrated, *, seed: int = 0) -> Calibrated:
-    """Name the wrong senses of angles or phases without which a refused calibration would be accepted.
+    """Name the mixed units, or wrong senses of angles or phases, without which a refused calibration would be accepted.
 
     Args:
         machine: The machine.
@@ -118,11 +120,15 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
         seed: Seed of the random starts.
 
     Returns:
-        The calibration, with such senses in its verdict.
+        The calibration, with such units or senses in its verdict.
     """
     if found.accepted:
         return found
-    meant = explaining_senses(runs, lambda other: _is_accepted(machine, other, seed))
+
+    def fits(other: Sequence[CalibrationRun]) -> bool:
+        return _is_accepted(machine, other, seed)
+
+    meant = explaining_units([disc.id for disc in machine.discs], runs, fits) or explaining_senses(runs, fits)
     return replace(found, verdict=f"{found.verdict.rstrip('.')}. {meant}") if meant else found
 
 

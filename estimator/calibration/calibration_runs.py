@@ -37,6 +37,7 @@ class CalibrationRun(Struct, frozen=True):
         mounting: Name of the mounting (S,) in which each sample was taken.
         steady: Whether each sample was taken at a constant speed.
         sha256: Checksum of the file, for provenance; empty where there is none.
+        units: Unit in which the weights on each disc were given, empty where there were none; empty where nothing is known.
     """
 
     name: str
@@ -44,6 +45,7 @@ class CalibrationRun(Struct, frozen=True):
     mounting: tuple[str, ...]
     steady: bool
     sha256: str = ""
+    units: tuple[str, ...] = ()
 
 
 def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, ...]:

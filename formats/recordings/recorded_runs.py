@@ -51,6 +51,14 @@ def read_calibration_runs(machine: Machine, files: Sequence[Path]) -> tuple[list
     return runs, [fault for one in found for fault in one.faults]
 
 
+def read_mountings(machine: Machine, file: Path, sidecar: Path | None = None) -> list[tuple[str, RecordedRun, Measurement]]:
+    """Return name, samples as recorded and as a measurement of each mounting in a file; raises as `read_runs`."""
+    read = _read(machine, file, sidecar)
+    names = np.array(read.circumstances.mounting)[read.taken]
+    parts = [(name, names == name) for name in dict.fromkeys(names.tolist())]
+    return [(name, read.recorded.pick(which), read.measurement.pick(which)) for name, which in parts]
+
+
 class _ReadRun(Struct, frozen=True, eq=False):
     """A file's run, as recorded and as a measurement, with what its sidecar states, the rows taken (R,) and the faults."""
 
@@ -87,7 +95,8 @@ def _calibration_run(machine: Machine, file: Path, read: _ReadRun) -> Calibratio
         usable = assess(read.recorded, noise=machine.noise, rules=machine.quality).usable
         measurement = replace(measurement, usable=measurement.usable & usable)
     mounting = tuple(name for name, taken in zip(read.circumstances.mounting, read.taken, strict=True) if taken)
-    return CalibrationRun(file.name, measurement, mounting, steady, hashlib.sha256(file.read_bytes()).hexdigest())
+    units = tuple(read.circumstances.units.get(disc.id, "") for disc in machine.discs)
+    return CalibrationRun(file.name, measurement, mounting, steady, hashlib.sha256(file.read_bytes()).hexdigest(), units)
 
 
 def speed_band(text: str) -> tuple[float, float]:

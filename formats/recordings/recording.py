@@ -334,6 +334,7 @@ class RecordedCircumstances(Struct, frozen=True):
         kind: Whether it is a sweep or rows at constant speeds.
         stated: Whether the sidecar says which trial weights were on.
         added: Unbalance that they added by disc, a value per row [kg m].
+        units: Unit in which that was given, by disc; those of masses at a radius, and kg m by themselves, are left out.
         mounting: Name of the mounting of each row.
         scale: The scale of angles on the discs.
         direction: +1 where +x turned to +y, else -1.
@@ -342,6 +343,7 @@ class RecordedCircumstances(Struct, frozen=True):
     kind: Literal["sweep", "dwells"]
     stated: bool
     added: dict[str, list[complex]]
+    units: dict[str, str]
     mounting: list[str]
     scale: DiscScale
     direction: int
@@ -363,6 +365,7 @@ def read_circumstances(path: Path, sidecar_path: Path | None = None) -> Recorded
         kind=sidecar.kind,
         stated=sidecar.added_unbalance is not None,
         added={disc: unbalances(weight) for disc, weight in sidecar.trial_weights.items()},
+        units={disc: one.unit for disc, one in sidecar.trial_weights.items() if one.unit is not None and one.radius is None},
         mounting=[path.stem] * len(table.rows) if sidecar.mounting is None else table.words(sidecar.mounting),
         scale=sidecar.disc_scale,
         direction=direction,

@@ -1,28 +1,38 @@
 """Reports a field balancing as text: correction, what it leaves, residual unbalance, and the check run."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from estimator.balancing.balancing_check import BalancingCheck
 from estimator.balancing.field_balancing import FieldBalancing
+from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import effect_rows, limit_verdicts, plane_weights, trim_weights
 from service.wording.language import ENGLISH, Language
 from service.wording.stored_sentences import in_language
 
+FROM_MARK = DiscScale()
+"""Scale that counts from the keyphasor mark, +x to +y."""
 
-def balancing_text(found: FieldBalancing, check: BalancingCheck | None = None, language: Language = ENGLISH) -> str:
-    """Return the report of a correction and, where there is one, of its check run, in a language."""
+
+def balancing_text(
+    found: FieldBalancing,
+    check: BalancingCheck | None = None,
+    language: Language = ENGLISH,
+    scale: DiscScale = FROM_MARK,
+) -> str:
+    """Return the report of a correction and, where there is one, of its check run, in a language; angles are on a scale."""
     parts = [
         _head(found, language),
-        _correction(found, language),
+        _correction(found, language, scale),
         _effects(found, check, language),
         _residual(found, check, language),
     ]
     if check is not None:
-        parts.append(_check(found, check, language))
+        parts.append(_check(found, check, language, scale))
     return "\n\n".join("\n".join(part) for part in map(list, parts) if part)
 
 
@@ -38,16 +48,18 @@ def _head(found: FieldBalancing, language: Language) -> Iterator[str]:
     yield from (translate("balancing.note", words=in_language(one, language)) for one in found.notes)
 
 
-def _correction(found: FieldBalancing, language: Language) -> Iterator[str]:
+def _correction(found: FieldBalancing, language: Language, scale: DiscScale) -> Iterator[str]:
     digits, translate = language.digits, language.translate
-    yield translate("balancing.correction", criterion=translate(f"balancing.{found.correction.criterion}"))
+    counted = "balancing.from_mark" if scale == FROM_MARK else f"balancing.scale.{scale.counted}"
+    criterion = translate(f"balancing.{found.correction.criterion}")
+    yield translate("balancing.correction", criterion=criterion, scale=translate(counted))
     for one in plane_weights(found):
-        angle = digits(f"{one.angle_deg:6.1f} ± {one.half_width_deg:.0f}")
+        angle = digits(f"{_reading(found, scale, one.angle_deg):6.1f} ± {one.half_width_deg:.0f}")
         interval = translate("balancing.interval", lower=digits(_three(one.lower_g_mm)), upper=digits(_three(one.upper_g_mm)))
         at = translate("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
         yield f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {translate('balancing.at', interval=interval, angle=at)}"
         for place, grams in one.masses:
-            yield "      " + translate("balancing.mass", grams=digits(f"{grams:8.4g}"), angle=place)
+            yield "      " + translate("balancing.mass", grams=digits(f"{grams:8.4g}"), angle=_reading(found, scale, place))
         if one.missed is not None and one.missed > 0.01:
             yield "      " + translate("balancing.missed", part=100 * one.missed)
     yield translate("balancing.counted")
@@ -106,7 +118,7 @@ def _three(value: float) -> str:
     return f"{float(f'{value:.3g}'):.12g}"
 
 
-def _check(found: FieldBalancing, check: BalancingCheck, language: Language) -> Iterator[str]:
+def _check(found: FieldBalancing, check: BalancingCheck, language: Language, scale: DiscScale) -> Iterator[str]:
     shown = np.isfinite(check.vector)
     kept, points = int(np.count_nonzero(check.held)), int(np.count_nonzero(shown))
     yield language.translate("balancing.check", name=check.name, kept=kept, points=points)
@@ -117,7 +129,12 @@ def _check(found: FieldBalancing, check: BalancingCheck, language: Language) -> 
         yield "  " + language.translate("balancing.limit_by_check", verdict=verdict)
     yield "  " + language.translate("balancing.trim")
     for plane, size, angle in trim_weights(found, check):
-        yield f"  {plane:<12} {language.digits(f'{size:10.4g} {angle:7.1f}')}"
+        yield f"  {plane:<12} {language.digits(f'{size:10.4g} {_reading(found, scale, angle):7.1f}')}"
+
+
+def _reading(found: FieldBalancing, scale: DiscScale, angle_deg: float) -> float:
+    """Return the number on the discs' scale of an angle from the keyphasor mark, +x to +y [°]."""
+    return scale.reading(math.radians(angle_deg), direction=found.machine.direction)
 
 
 def _verdict_text(verdict: str, language: Language) -> str:

@@ -8,7 +8,8 @@ import numpy as np
 from estimator.balancing.balancing_check import BalancingCheck
 from estimator.balancing.field_balancing import FieldBalancing
 from estimator.fit.estimates import CONFIDENCE_95
-from service.balancing.balancing_text import balancing_text
+from estimator.machine.disc_scale import DiscScale
+from service.balancing.balancing_text import FROM_MARK, balancing_text
 from service.balancing.correction_rows import MICROMETRES
 from service.balancing.vector_plot import PlottedVector, vector_plot
 from service.wording.language import ENGLISH, Language
@@ -21,14 +22,19 @@ STYLE = (
 )
 
 
-def printed_page(found: FieldBalancing, check: BalancingCheck | None = None, language: Language = ENGLISH) -> str:
-    """Return the page in a language, as HTML that needs nothing beside it."""
+def printed_page(
+    found: FieldBalancing,
+    check: BalancingCheck | None = None,
+    language: Language = ENGLISH,
+    scale: DiscScale = FROM_MARK,
+) -> str:
+    """Return the page in a language, as HTML that needs nothing beside it; angles of weights are on a scale."""
     plots = "".join(channel_plots(found, check, language))
     title = html.escape(language.translate("balancing.page", name=found.machine.name))
     return (
         f'<!doctype html><html lang="{language.code}"><head><meta charset="utf-8"/>'
         f"<title>{title}</title><style>{STYLE}</style></head>"
-        f"<body><pre>{html.escape(balancing_text(found, check, language))}</pre>{plots}</body></html>\n"
+        f"<body><pre>{html.escape(balancing_text(found, check, language, scale))}</pre>{plots}</body></html>\n"
     )
 
 

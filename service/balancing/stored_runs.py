@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from estimator.arrays import Complexes
 from estimator.balancing.field_balancing import BalancingRun
+from estimator.calibration.calibrated_document import is_the_same_but_for_calibrations
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.slow_roll import corrected
@@ -43,7 +44,8 @@ def balancing_run(
     if row.machine_id != machine_id:
         raise RunUnsuitable(f"run {run_id} is one of machine '{row.machine_id}', not of '{machine_id}'")
     machine = machines.document(session, machine_id, revision)
-    if row.revision != revision and not machine.is_the_same_train_as(machines.document(session, machine_id, row.revision)):
+    measured_under = machine if row.revision == revision else machines.document(session, machine_id, row.revision)
+    if not is_the_same_but_for_calibrations(machine, measured_under):
         raise RunUnsuitable(
             f"run {run_id} was measured under revision {row.revision} of the document, which describes another train than "
             f"revision {revision}, under which this balancing began"

@@ -62,6 +62,8 @@ def identify_offline(
     if method == "regression":
         _regress(machine, files, sidecar, tikhonov, slow_roll, as_json=as_json)
         return
+    if slow_roll is None and _printed_by_mounting(machine, files, sidecar, gate=gate, as_json=as_json):
+        return
     described, measurement, found = _gated(
         machine, files, sidecar, half_power=half_power, accepted_rpm=accepted_rpm, gate=gate, slow_roll=slow_roll
     )
@@ -70,7 +72,7 @@ def identify_offline(
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
     if as_json:
-        _print_json(described, result, [file.name for file in files], found.qualities)
+        _print_json(described, result, files, sidecar, found.qualities)
     else:
         _print(described, result, files[0], sidecar)
         if text:
@@ -83,35 +85,57 @@ def identify_offline(
         raise typer.Exit(1)
 
 
+def _printed_by_mounting(machine: Path, files: list[Path], sidecar: Path | None, *, gate: bool, as_json: bool) -> bool:
+    """Print what each mounting of a calibrated machine has gained, where the files hold several; return whether they do."""
+    from formats.files.document_files import UnreadableFile, read_machine
+    from formats.wire import Rejected
+    from service.commands.mountings import mounted_runs, print_mountings
+
+    try:
+        described = read_machine(machine)
+        mountings = mounted_runs(described, files, sidecar)
+    except (UnreadableFile, Rejected, ValueError):
+        return False  # told when they are read as one
+    if mountings:
+        print_mountings(described, mountings, files[0], sidecar, gate=gate, as_json=as_json)
+    return bool(mountings)
+
+
 def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Path | None) -> None:
     """Print estimates, and what a calibrated machine has gained and how couplings are aligned."""
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
-    from formats.recordings.recording import read_circumstances
+    from service.commands.mountings import told_scale
     from service.commands.results.alignment_report import alignment_text
     from service.commands.results.identification_report import identification_text, since_text
 
     print_text(identification_text(result))
     since = unbalance_since(machine, result)
     if since is not None:
-        told = read_circumstances(file, sidecar)
-        print_text(since_text(since, told.scale, direction=told.direction))
+        scale, direction = told_scale(machine, file, sidecar)
+        print_text(since_text(since, scale, direction=direction))
     alignment = alignment_text(alignment_quantities(updated_model(machine, result))) if result.accepted else ""
     if alignment:
         print_text(alignment)
 
 
-def _print_json(machine: "Machine", result: "Identification", names: list[str], qualities: "Sequence[Quality]") -> None:
+def _print_json(
+    machine: "Machine", result: "Identification", files: list[Path], sidecar: Path | None, qualities: "Sequence[Quality]"
+) -> None:
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
+    from service.commands.mountings import told_scale
     from service.commands.results.result_content import identification_content, quality_content, since_content
 
     since = unbalance_since(machine, result)
     alignment = alignment_quantities(updated_model(machine, result)) if result.accepted else ()
-    gained = {} if since is None else {"unbalance_since_calibration": since_content(since)}
-    rest = {"alignment": alignment, "runs": quality_content(names, qualities)}
+    gained = {}
+    if since is not None:
+        scale, direction = told_scale(machine, files[0], sidecar)
+        gained = {"unbalance_since_calibration": since_content(since, scale, direction=direction)}
+    rest = {"alignment": alignment, "runs": quality_content([file.name for file in files], qualities)}
     print_json(identification_content(machine, result) | gained | rest)
 
 

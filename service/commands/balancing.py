@@ -1,7 +1,11 @@
 """The command `rundown balance`: from an initial run and trial runs to a correction, and its check run."""
 
+import math
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -16,7 +20,10 @@ from service.commands.terminal import print_line, print_text, working
 if TYPE_CHECKING:
     from estimator.balancing.balancing_check import BalancingCheck
     from estimator.balancing.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, ModelInfluence
+    from estimator.balancing.weight_places import WeightPlaces
+    from estimator.machine.disc_scale import DiscScale
     from estimator.machine.document import Machine
+    from service.balancing.correction_rows import PlaneWeight
 
 GRAM = 1e-3
 MILLIMETRE = 1e-3
@@ -68,7 +75,9 @@ def balance_machine(
     try:
         described = read_machine(machine)
         print_warnings(described)
-        options = _options(plane, criterion, limit or [], holes or [], rpm, grade, service_rpm)
+        scale = _scale_of([initial, *trials, *([] if check is None else [check])])
+        turned = partial(scale.angle, direction=described.direction)
+        options = _options(plane, criterion, limit or [], _places(holes or [], turned), rpm, grade, service_rpm)
         groups = [run for file in (initial, *trials) for run in _balancing_runs(described, file, required=file != initial)]
         unloaded = [run for run in groups if run.added is not None and not np.any(run.added)]
         loaded = [run for run in groups if run.added is None or np.any(run.added)]
@@ -78,22 +87,23 @@ def balance_machine(
             checked = None
             if check is not None:
                 checked = check_balancing(found, _check_run(described, check))
-        _print(found, checked, as_json=as_json)
+        _print(found, checked, scale, as_json=as_json)
         if page is not None:
-            page.write_text(printed_page(found, checked, language), encoding="utf-8")
+            page.write_text(printed_page(found, checked, language, scale), encoding="utf-8")
     except (UnreadableFile, Rejected, ValueError, OSError) as error:
         fail(str(error))
     if checked is not None and not all(one.held for one in effect_rows(found, checked) if one.held is not None):
         raise typer.Exit(1)
 
 
-def _print(found: "FieldBalancing", checked: "BalancingCheck | None", *, as_json: bool) -> None:
+def _print(found: "FieldBalancing", checked: "BalancingCheck | None", scale: "DiscScale", *, as_json: bool) -> None:
     from estimator.units import rad_per_s_to_rpm
     from service.balancing.balancing_text import balancing_text
     from service.balancing.correction_rows import effect_rows, plane_weights
+    from service.balancing.rendering import on_scale
 
     if not as_json:
-        print_text(balancing_text(found, checked))
+        print_text(balancing_text(found, checked, scale=scale))
         return
     effects = effect_rows(found, checked)
     print_json(
@@ -104,11 +114,16 @@ def _print(found: "FieldBalancing", checked: "BalancingCheck | None", *, as_json
             "influence": found.choice.words,
             "notes": found.notes,
             "criterion": found.correction.criterion,
-            "correction": plane_weights(found),
+            "disc_scale": scale,
+            "correction": on_scale([_plane_content(one) for one in plane_weights(found)], scale, found.machine.direction),
             "largest_vibration_um_pp": effects,
             "held": None if checked is None else all(one.held for one in effects if one.held is not None),
         }
     )
+
+
+def _plane_content(one: "PlaneWeight") -> dict[str, Any]:
+    return asdict(one) | {"masses": [{"angle_deg": angle, "grams": grams} for angle, grams in one.masses]}
 
 
 def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[BalancingRun]":
@@ -175,23 +190,15 @@ def _options(
     planes: list[str] | None,
     criterion: Criterion,
     limits: list[str],
-    holes: list[str],
+    places: "dict[str, WeightPlaces]",
     rpm: list[float] | None,
     grade: float,
     service_rpm: float | None,
 ) -> "BalancingOptions":
     from estimator.balancing.field_balancing import BalancingOptions
-    from estimator.balancing.weight_places import WeightPlaces
     from estimator.units import rpm_to_rad_per_s
     from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 
-    places = {}
-    for text in holes:
-        disc, numbers = _numbers(text, "--holes D1=16,30,0,5,0.1: count, radius [mm], first [°], largest and step [g]", 2, 5)
-        count, radius, first, largest, step = [*numbers, *(0.0, np.inf, 0.0)[len(numbers) - 2 :]]
-        places[disc] = WeightPlaces.evenly(
-            int(count), radius=radius * MILLIMETRE, first_deg=first, largest=largest * GRAM, step=step * GRAM
-        )
     bounds = dict(_numbers(text, "--limit D1=50: g mm", 1, 1) for text in limits)
     return BalancingOptions(
         planes=None if planes is None else tuple(planes),
@@ -202,6 +209,39 @@ def _options(
         service_speed=None if service_rpm is None else rpm_to_rad_per_s(service_rpm),
         speed=None if rpm is None else np.array([rpm_to_rad_per_s(one) for one in rpm]),
     )
+
+
+def _places(holes: list[str], turned: Callable[[float], float]) -> "dict[str, WeightPlaces]":
+    """Return the places of discs. turned: function that makes an angle on the scale [°] one from +x towards +y [rad]."""
+    from estimator.balancing.weight_places import WeightPlaces
+
+    places = {}
+    for text in holes:
+        disc, numbers = _numbers(text, "--holes D1=16,30,0,5,0.1: count, radius [mm], first [°], largest and step [g]", 2, 5)
+        count, radius, first, largest, step = [*numbers, *(0.0, np.inf, 0.0)[len(numbers) - 2 :]]
+        places[disc] = WeightPlaces.evenly(
+            int(count),
+            radius=radius * MILLIMETRE,
+            first_deg=math.degrees(turned(first)),
+            largest=largest * GRAM,
+            step=step * GRAM,
+        )
+    return places
+
+
+def _scale_of(files: list[Path]) -> "DiscScale":
+    """Return the scale of angles that all sidecars state. Raises UnreadableFile where they differ."""
+    from estimator.machine.disc_scale import DiscScale
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recording import read_circumstances
+
+    told = {file: read_circumstances(file) for file in files}
+    scales = {file: one.scale for file, one in told.items() if one.added or one.scale != DiscScale()}
+    first = next(iter(scales), None)
+    other = next((file for file, scale in scales.items() if scale != scales[first or file]), None)
+    if first is not None and other is not None:
+        raise UnreadableFile(f"{first} and {other} state different scales of the discs (`disc_scale`): one machine has one")
+    return DiscScale() if first is None else scales[first]
 
 
 def _numbers(text: str, example: str, fewest: int, most: int, *, signed: bool = False) -> tuple[str, list[float]]:

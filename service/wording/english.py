@@ -122,8 +122,11 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "balancing.runs": "Runs: {names}",
     "balancing.influence": "Influence: {words}",
     "balancing.note": "Note: {words}",
-    "balancing.correction": "Correction, {criterion}: plane, unbalance to add [g mm] and angle [°] from the keyphasor mark, "
-    "+x to +y, 95 % intervals",
+    "balancing.correction": "Correction, {criterion}: plane, unbalance to add [g mm] and angle [°] {scale}, 95 % intervals",
+    "balancing.from_mark": "from the keyphasor mark, +x to +y",
+    "balancing.scale.x-to-y": "on the discs' scale, from +x towards +y",
+    "balancing.scale.with-rotation": "on the discs' scale, with the rotation",
+    "balancing.scale.against-rotation": "on the discs' scale, against the rotation",
     "balancing.least-squares": "least squares of vibration",
     "balancing.min-max": "least largest vibration",
     "balancing.interval": "({lower} to {upper})",

@@ -124,8 +124,12 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "balancing.runs": "Läufe: {names}",
     "balancing.influence": "Einfluss: {words}",
     "balancing.note": "Hinweis: {words}",
-    "balancing.correction": "Ausgleich, {criterion}: Ebene, hinzuzufügende Unwucht [g mm] und Winkel [°] ab der Phasenmarke, "
-    "von +x nach +y, Vertrauensbereiche 95 %",
+    "balancing.correction": "Ausgleich, {criterion}: Ebene, hinzuzufügende Unwucht [g mm] und Winkel [°] {scale}, "
+    "Vertrauensbereiche 95 %",
+    "balancing.from_mark": "ab der Phasenmarke, von +x nach +y",
+    "balancing.scale.x-to-y": "auf der Skala der Scheiben, von +x nach +y",
+    "balancing.scale.with-rotation": "auf der Skala der Scheiben, mit der Drehung",
+    "balancing.scale.against-rotation": "auf der Skala der Scheiben, gegen die Drehung",
     "balancing.least-squares": "kleinste Quadrate der Schwingung",
     "balancing.min-max": "kleinste größte Schwingung",
     "balancing.interval": "({lower} bis {upper})",

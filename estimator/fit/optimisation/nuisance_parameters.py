@@ -48,7 +48,20 @@ def effective_count(problem: FitProblem, found: FitResult) -> float:
     Returns:
         The number [-]; 0 where there are none.
     """
-    which = counted_by_effect(problem.coordinates)
+    return effective_number_of(counted_by_effect(problem.coordinates), problem, found)
+
+
+def effective_number_of(which: NDArray[np.bool_], problem: FitProblem, found: FitResult) -> float:
+    """Compute the number of degrees of freedom that some parameters use up, as `effective_count`.
+
+    Args:
+        which: True for those parameters (n,).
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        The number [-]; 0 where there are none.
+    """
     if not which.any():
         return 0.0
     kept = np.linalg.solve(found.information + problem.coordinates.prior.precision, found.information)

@@ -11,6 +11,7 @@ from estimator.arrays import Floats
 from estimator.fit.optimisation.nuisance_parameters import counted_by_effect, effective_count
 from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.validation.calibration_conflict import SMALLEST_CHANCE, calibration_conflict
 
 CHI_SQUARE_LIMIT = 5.0
 """Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""
@@ -26,6 +27,9 @@ LARGEST_SERIAL_CORRELATION = 0.1
 """Largest correlation of residuals of neighbouring speeds with estimated noise, plus five standard deviations [-]."""
 LARGEST_ALIKENESS = 0.9
 """Correlation from which on a larger one widens intervals no more [-]."""
+CONTRADICTS = (
+    "the run contradicts the document's calibration: if something has changed since, calibrate again or take `calibration` out"
+)
 MUCH_NOISIER = 1.5
 """Noise of a channel over the noise model's from which on it is mentioned [-]."""
 
@@ -91,13 +95,16 @@ def judge(problem: FitProblem, found: FitResult) -> Verdict:
     outlying = f"; {left_out} of {usable} phasors left out as outliers{_worst_channel(problem, found)}" if left_out else ""
     if not found.converged:
         return Verdict(False, f"not converged, {chi}{outlying}", freedom)
+    held = calibration_conflict(problem, found)
+    against = "" if held is None else f"{CONTRADICTS} ({held.words})"
     if left_out > LARGEST_OUTLIER_PART * usable:
-        return Verdict(False, f"too much does not fit: {chi}{outlying}", freedom)
+        return Verdict(False, f"{against or 'too much does not fit'}: {chi}{outlying}", freedom)
     if found.noise.estimated:
         return _judge_by_order(problem, found, f"{chi}{outlying}", freedom)
-    if not accepted(found.chi_square, freedom):
+    explained = held is None or held.chance >= SMALLEST_CHANCE or accepted(held.chi_square, held.freedom)
+    if not explained or not accepted(found.chi_square, freedom):
         where = _misfitting_channel(problem, found)
-        return Verdict(False, f"the model does not fit the data: {chi}{where}{outlying}", freedom)
+        return Verdict(False, f"{against or 'the model does not fit the data'}: {chi}{where}{outlying}", freedom)
     if reduced < 1.0 - CHI_SQUARE_LIMIT * spread:
         return Verdict(True, f"accepted; the stated noise is too large: {chi}{outlying}", freedom)
     return Verdict(True, f"accepted: {chi}{outlying}", freedom)
@@ -129,18 +136,28 @@ class VerdictRemark(Struct, frozen=True):
 
 
 def remark(problem: FitProblem, found: FitResult) -> VerdictRemark:
-    """Check whether the residuals show a pattern over speed, which χ² is not sharp enough for.
-
-    Not a reason to refuse: the errors of overlapping measurements are alike as well. Then there are fewer independent ones,
-    and the covariance grows by (1 + r) / (1 - r), as for errors of a first-order autoregression (Bayley and Hammersley,
-    Suppl. J. R. Stat. Soc. 8 (1946) 184, doi:10.2307/2983560).
+    """Check an accepted fit for what χ² is not sharp enough for: a pattern over speed, and a calibration that holds it badly.
 
     Args:
         problem: The fit's problem.
         found: The fit.
 
     Returns:
-        The remark, with words only where there is a pattern.
+        The remark, with words only where there is something.
+    """
+    alike, held = _alike(problem, found), calibration_conflict(problem, found)
+    if held is None or held.inflation == 1.0:
+        return alike
+    words = f"; the run fits the document's calibration badly ({held.words}): intervals are widened"
+    return VerdictRemark(alike.words + words, alike.inflation * held.inflation)
+
+
+def _alike(problem: FitProblem, found: FitResult) -> VerdictRemark:
+    """Check whether the residuals show a pattern over speed.
+
+    Not a reason to refuse: the errors of overlapping measurements are alike as well. Then there are fewer independent ones,
+    and the covariance grows by (1 + r) / (1 - r), as for errors of a first-order autoregression (Bayley and Hammersley,
+    Suppl. J. R. Stat. Soc. 8 (1946) 184, doi:10.2307/2983560).
     """
     usable = int(np.count_nonzero(problem.measurement.usable & ~found.outlier))
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE or found.chi_square < usable:

@@ -10,6 +10,7 @@ from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
 from estimator.identification.model_comparison import ModelComparison
+from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
@@ -52,12 +53,13 @@ def quality_content(names: Sequence[str], qualities: Sequence[Quality]) -> list[
     ]
 
 
-def since_content(since: UnbalanceSince) -> list[dict[str, Any]]:
-    """Return the unbalance that each disc has gained since the calibration, angles from +x towards +y."""
+def since_content(since: UnbalanceSince, scale: DiscScale, *, direction: int) -> list[dict[str, Any]]:
+    """Return the unbalance that each disc has gained since the calibration; angles from +x towards +y, and on the scale."""
     return [
         {
             "disc": disc,
             **_vector(complex(value)),
+            "scale_deg": scale.reading(float(np.angle(value)), direction=direction),
             "standard_error_g_mm": GRAM_MILLIMETRES * since.standard_error(place),
             "angle_half_width_deg": since.angle_error_deg(place),
         }

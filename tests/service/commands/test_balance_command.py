@@ -1,5 +1,6 @@
 """The command `rundown balance`, on runs of the dense model of the Chapter 3 train."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -108,6 +109,31 @@ def test_limits_holes_and_min_max(runs: list[str]) -> None:
     assert all(abs(10 * one - round(10 * one)) < 1e-6 for one in masses)
     assert "is not written as --limit D1=50" in run("balance", *runs, "--limit", "D1", status=1)
     assert "D9: no such disc" in run("balance", *runs, "--limit", "D9=1", status=1)
+
+
+def test_angles_are_told_on_the_scale_of_the_discs_that_the_sidecars_state(runs: list[str], tmp_path: Path) -> None:
+    """A scale that grows against the rotation from 90° on: what is at an angle a reads 90° - a."""
+    scale = {"counted": "against-rotation", "zero_deg": 90.0}
+    told = correction(run("balance", *runs))
+    turned = []
+    for at, (disc, (size, angle)) in enumerate(TRIALS.items(), 2):
+        weight = {disc: {"amount": size, "unit": "g mm", "angle_deg": 90.0 - angle}}
+        told_so = {"added_unbalance": weight, "disc_scale": scale}
+        turned.append(recorded(tmp_path, f"turned-{disc}", {disc: (size, angle)}, seed=at, **told_so))
+    page = tmp_path / "page.html"
+    text = run("balance", *runs[:2], *turned, "--page", str(page), "--holes", "D1=8,30,90")
+    assert "angle [°] on the discs' scale, against the rotation" in text
+    assert "on the discs&#x27; scale, against the rotation" in page.read_text()
+    found = correction(text)
+    for disc in ("D2", "D3", "D4"):
+        assert found[disc][1] == pytest.approx((90.0 - told[disc][1]) % 360.0, abs=0.2)
+    content = json.loads(run("balance", *runs[:2], *turned, "--holes", "D1=8,30,90", "--json"))
+    one = content["correction"][0]
+    assert content["disc_scale"] == scale
+    assert one["scale_deg"] == pytest.approx((90.0 - one["angle_deg"]) % 360.0)
+    assert {round(mass["scale_deg"]) % 45 for mass in one["masses"]} == {0}
+    mixed = run("balance", *runs[:3], *turned[1:], status=1)
+    assert "state different scales of the discs (`disc_scale`): one machine has one" in mixed
 
 
 def test_runs_whose_weights_are_missing_or_copied_are_named(runs: list[str], tmp_path: Path) -> None:

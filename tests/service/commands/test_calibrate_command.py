@@ -1,9 +1,12 @@
 """`rundown calibrate`: from the measured rotor kit's nameplate to a document with which a held-out weight is found."""
 
 import csv
+import json
+import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
@@ -50,6 +53,39 @@ def test_two_commands_find_a_weight_that_was_not_calibrated_with(calibrated: tup
     size, half, reading, open_angle = float(words[1]), float(words[3]), float(words[7]), float(words[9].rstrip("°"))
     assert abs(size - 30.0) < half < 15.0
     assert abs((reading + 180.0) % 360.0 - 180.0) < open_angle < 40.0
+
+
+def only(file: str, *conditions: str) -> str:
+    """Leave the rows of some conditions alone in a recording."""
+    header, *rows = Path(file).read_text().splitlines()
+    Path(file).write_text("\n".join([header, *(row for row in rows if row.startswith(conditions))]) + "\n")
+    return file
+
+
+def test_each_mounting_of_a_later_file_has_an_unbalance_of_its_own(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+    """One fit of both would take 60 g mm on disc 1 and 24 g mm on disc 2 for one unbalance."""
+    later = only(recording(tmp_path, "later", held=False, added_unbalance=None), "A013", "B009")
+    text = run("identify", str(calibrated[1]), later)
+    assert "2 mountings, each identified by itself" in text
+    assert text.count("Unbalance gained since the calibration") == 2
+    content = json.loads(run("identify", str(calibrated[1]), later, "--json").partition("\n")[2])
+    first, second = content["mountings"]
+    assert [one["mounting"] for one in content["mountings"]] == ["A013", "B009"]
+    put_on = {"A013": [(0.0, 0.0), (30.0, 0.0)], "B009": [(24.0, -90.0), (0.0, 0.0)]}
+    for one in (first, second):
+        assert one["accepted"]
+        for disc, (size, angle) in zip(one["unbalance_since_calibration"], put_on[one["mounting"]], strict=True):
+            said = disc["g_mm"] * np.exp(1j * np.radians(disc["scale_deg"]))
+            assert abs(said - size * np.exp(1j * np.radians(angle))) < 3.5 * disc["standard_error_g_mm"]
+
+
+def test_a_later_table_without_a_sidecar_is_told_from_the_mark(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+    table = tmp_path / "table.csv"
+    channels = read_machine(calibrated[1]).channels
+    columns = ",".join(f"{channel}_um_pp,{channel}_lag_deg" for channel in channels)
+    table.write_text(f"speed_rpm,{columns}\n1004.0,10.5,-35.0,14.0,-50.0,41.0,-5.0,20.0,-70.0\n")
+    text = run("identify", str(calibrated[1]), str(table), status=1)
+    assert "angles from +x towards +y" in text
 
 
 def test_the_document_says_where_its_calibration_comes_from(calibrated: tuple[str, Path]) -> None:
@@ -106,6 +142,17 @@ def test_gains_that_no_chain_has_ask_for_the_unit_of_the_weights(tmp_path: Path)
     text = run("calibrate", DOCUMENT, few, "--output", str(tmp_path / "kit.yaml"))
     assert "which no usual chain does: are the trial weights' units right (such as" in text
     assert "g mm given as g in" in text
+
+
+def test_units_that_are_mixed_among_the_trials_are_named(tmp_path: Path) -> None:
+    """The weights on disc 1 in g mm, those on disc 2 in g in although g mm are meant."""
+    weights = {
+        f"D{n}": {"amount": f"U{n}_gmm", "unit": unit, "angle_deg": f"U{n}_deg"} for n, unit in ((1, "g mm"), (2, "g in"))
+    }
+    mixed = recording(tmp_path, "mixed", held=False, added_unbalance=weights)
+    text = run("calibrate", DOCUMENT, mixed, "--output", str(tmp_path / "kit.yaml"), status=1)
+    assert re.search(r"the weights on D2 are \d+ times as heavy as the others: are units mixed", text)
+    assert "It fits with the weights on D2, which were given in g in, in g mm" in text
 
 
 def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> None:

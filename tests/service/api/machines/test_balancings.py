@@ -8,6 +8,8 @@ import pytest
 from msgspec.structs import replace
 from sqlalchemy.pool import QueuePool
 
+from estimator.calibration.calibrated_document import calibrated_document
+from estimator.machine.calibration import Calibration
 from estimator.machine.document import parse_machine
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
@@ -44,12 +46,12 @@ def phasors(weights: dict[str, tuple[float, float]], seed: int) -> Any:
     return noisy(dense_response(parse_machine(said), SPEED, direction=1), seed=seed, relative=0.003)
 
 
-def add_run(database: Database, weights: dict[str, tuple[float, float]], *, number: int) -> int:
+def add_run(database: Database, weights: dict[str, tuple[float, float]], *, number: int, revision: int = 1) -> int:
     """A closed run with weights on [g mm, °]; its id."""
     begin = START + number * 3600 * SECOND
     held = replace(samples(POINTS, start=begin, rpm=RPM.tolist()), phasor=phasors(weights, number))
     with database.transaction() as session:
-        row = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=begin)
+        row = runs.open_run(session, KEY.machine, revision=revision, kind="run-down", direction=1, time_first=begin)
         runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
         return row.id
 
@@ -210,6 +212,22 @@ def test_planes_that_cannot_be_told_apart_are_named_and_one_of_them_is_left_out(
     correction = api("POST", f"{here}/correction", json={"by": "Ada"})["correction"]
     assert len(correction["planes"]) == 1
     assert any("cannot be told apart from" in one and "is left out" in one for one in correction["notes"])
+
+
+def test_a_calibration_put_in_force_amid_a_balancing_makes_no_other_train(store: Database, api: Api) -> None:
+    first = add_run(store, {}, number=1)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    with store.transaction() as session:
+        machine = machines.document(session, KEY.machine)
+        free = tuple(probe.model_copy(update={"gain_spread": 3.0}) for probe in machine.probes)
+        held = Calibration(parameters=("probe.B3X.gain.real",), values=(0.1,), covariance=((0.01,),))
+        machines.revise(session, calibrated_document(machine, machine.model_copy(update={"probes": free}), held))
+        assert machines.get(session, KEY.machine).revision == 2
+    for number, disc in enumerate(TRIALS, 2):
+        run = add_run(store, {disc: TRIALS[disc]}, number=number, revision=2)
+        api("POST", f"{here}/trials", json={"run": run, "weights": WEIGHTS[disc], "by": "Ada"})
+    assert api("POST", f"{here}/correction", json={"by": "Ada"})["state"] == "proposed"
+    api("POST", PATH, 201, json={"runs": [first], "by": "Ada"})
 
 
 def test_each_step_is_in_the_audit_trail_and_nothing_else_is_changed(store: Database, api: Api, begun: int) -> None:
