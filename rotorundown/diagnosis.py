@@ -45,7 +45,7 @@ class CausesFound:
         if not self.causes:
             return "nothing that changed since the baseline is certain enough to be told"
         told = zip(self.causes, self.sizes, strict=True)
-        return "\n".join(f"{one.kind} at {one.element}: {_told(size)}evidence {one.evidence:.1f}" for one, size in told)
+        return "\n".join(f"{one.kind} at {one.element}: {_size_text(size)}evidence {one.evidence:.1f}" for one, size in told)
 
     __repr__ = __str__
 
@@ -54,7 +54,7 @@ class CausesFound:
         return notebook_text(self)
 
 
-def _told(size: ChangeSize) -> str:
+def _size_text(size: ChangeSize) -> str:
     """Return a size in words: per cent of the baseline, else the figure that takes most of what is allowed."""
     if size.per_cent is not None:
         return f"{size.per_cent:.0f} %, "
