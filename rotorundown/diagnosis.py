@@ -3,13 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from estimator.alignment.healthy_films import learnt_variation
+from estimator.diagnosis.alignment_size import MISALIGNMENT, alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.film_reference import film_observation
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
-from estimator.diagnosis.observation import observation_of
+from estimator.diagnosis.observation import Observation, observation_of, observed_fit
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
+from estimator.machine.document import Machine
+from estimator.machine.film_speeds import follows_films
+from estimator.updated_model.model import UpdatedModel, model_at
 from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result, require_result
 
@@ -38,18 +44,22 @@ class CausesFound:
     def __str__(self) -> str:
         if not self.causes:
             return "nothing that changed since the baseline is certain enough to be told"
-        return "\n".join(
-            f"{cause.kind} at {cause.element}: {size.per_cent:.0f} %, evidence {cause.evidence:.1f}"
-            if size.per_cent is not None
-            else f"{cause.kind} at {cause.element}: evidence {cause.evidence:.1f}"
-            for cause, size in zip(self.causes, self.sizes, strict=True)
-        )
+        told = zip(self.causes, self.sizes, strict=True)
+        return "\n".join(f"{one.kind} at {one.element}: {_size_text(size)}evidence {one.evidence:.1f}" for one, size in told)
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         """Return the text for a notebook, escaped."""
         return notebook_text(self)
+
+
+def _size_text(size: ChangeSize) -> str:
+    """Return a size in words: per cent of the baseline, else the figure that takes most of what is allowed."""
+    if size.per_cent is not None:
+        return f"{size.per_cent:.0f} %, "
+    first = next(iter(size.parts), None)
+    return "" if first is None else f"{first.name} {first.value:.3g} ± {(first.upper - first.lower) / 2:.2g} {first.unit}, "
 
 
 def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_agree: int = 1) -> CausesFound:
@@ -81,12 +91,33 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     refused = next((one for one in baseline if not one.accepted), None)
     if refused is not None:
         raise NotDiagnosable(f"a result of the baseline is not accepted: {refused.verdict}")
-    channels = machine.channels
+    films = follows_films(machine)
+    models = [_fitted(machine, one) for one in baseline] if films else []
+    variation = learnt_variation(models) if films else None
     try:
-        windows = RunWindows.from_baseline(machine, [observation_of(one.identification, channels) for one in baseline])
+        windows = RunWindows.from_baseline(machine, [_observed(machine, one) for one in baseline], variation=variation)
     except ValueError as error:
         raise NotDiagnosable(str(error)) from None
-    observations = [observation_of(one.identification, channels) for one in later]
+    observations = [_observed(machine, one) for one in later]
     found = windows.found(observations, on_delay=lambda _kind, _element: min(runs_that_agree, len(later)))
-    amplitude = {channel: typical_amplitude(channel, windows.baseline) for channel in channels}
-    return CausesFound(found, tuple(change_size(cause, windows.reference, amplitude=amplitude) for cause in found.causes))
+    amplitude = {channel: typical_amplitude(channel, windows.baseline) for channel in machine.channels}
+    newest = next((one for one in reversed(later) if one.accepted), later[-1])
+
+    def size(cause: Cause) -> ChangeSize:
+        if variation is None or cause.kind != MISALIGNMENT:
+            return change_size(cause, windows.reference, amplitude=amplitude)
+        return alignment_size(cause, models, _fitted(machine, newest), variation=variation, causes=found.causes)
+
+    return CausesFound(found, tuple(map(size, found.causes)))
+
+
+def _fitted(machine: Machine, one: Result) -> UpdatedModel:
+    """Return the model that a fit led to."""
+    fit = one.identification
+    return model_at(machine, fit.coordinates, fit.point, fit.covariance)
+
+
+def _observed(machine: Machine, one: Result) -> Observation:
+    if follows_films(machine):
+        return film_observation(observed_fit(one.identification), machine, {})
+    return observation_of(one.identification, machine.channels)

@@ -15,6 +15,8 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.model import UpdatedModel
 
+MISALIGNMENT = "misalignment"
+"""Kind of the causes that have such a size."""
 UNITS = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
 """Units that people reckon in: their ending of a quantity's name, and how many of them make the SI unit."""
 

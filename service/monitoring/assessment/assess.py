@@ -196,13 +196,13 @@ def _explanations(
     """Return each cause as the 2× has it: it raises no alert where there would be none, and sets none aside for what raises
     none."""
 
-    def is_told(cause: Cause) -> bool:
+    def alerts_by_itself(cause: Cause) -> bool:
         return _reaches_limit(context, cause, _size(context, compared, cause, diagnosis.causes, amplitude))
 
     explanations = []
     for number, named in enumerate(diagnosis.causes):
         found = explained(context, diagnosis, number)
-        if found.cause is not named and not (is_told(named) and is_told(found.cause)):
+        if found.cause is not named and not (alerts_by_itself(named) and alerts_by_itself(found.cause)):
             found = Explanation(named, diagnosis.runners_up[number])
         explanations.append(found)
     return explanations

@@ -1,4 +1,4 @@
-"""What a named cause frees: the same coordinates that its hypothesis moves, beside elevations."""
+"""Coordinates that a named cause frees: the same that its hypothesis moves, beside elevations."""
 
 from functools import cache
 
