@@ -97,7 +97,7 @@ def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Se
     expect(zoomed).to_have_count(3)
     seen.page.evaluate("window.scrollTo(0, 900)")
     next_one = found | {"id": 9001, "runs": [earlier]}
-    seen.page.route(re.compile("/identifications/9001$"), held.append)
+    seen.page.route(re.compile("/identifications/9001$"), lambda route: held.append(route))
     seen.page.route(re.compile(rf"/alerts/{alert['id']}$"), lambda route: route.fulfill(json=alert | {"identification": 9001}))
     until(lambda: seen.page.wait_for_timeout(50) or len(held) > 0, within_s=15, what="the next identification is asked for")
     expect(zoomed).to_have_count(3)

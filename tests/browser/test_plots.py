@@ -316,9 +316,16 @@ def test_polar_plots_are_read_out_by_keys(seen: Seen) -> None:
     assert seen.errors == []
 
 
+def words(parameter: str) -> str:
+    """A parameter as the page writes it: `disc D1 unbalance, real part` of `disc.D1.unbalance.real`."""
+    name, _, component = parameter.partition(".unbalance.")
+    said = f"{name} unbalance, {component} part" if component else name
+    return said.replace(".", " ").replace("k_phi", "kφ").replace("c_phi", "cφ")
+
+
 def test_correlations_are_read_out_by_keys(seen: Seen, service: Service) -> None:
     found = service.get("/identifications/1/correlation")
-    names = found["coordinates"]
+    names = [words(one) for one in found["coordinates"]]
     seen.open(f"machines/{MACHINE}/identified?identification=1")
     matrix = seen.page.get_by_role("group", name=re.compile("Correlation of"))
     said = seen.page.locator(".correlation figcaption")

@@ -153,7 +153,7 @@ def test_the_correlation_of_estimates_is_drawn_and_read_out(seen: Seen, service:
     count = len(found["coordinates"])
     assert count <= shown <= count * count
     picture.hover(position={"x": 2, "y": 2})
-    first = found["coordinates"][0]
+    first = found["coordinates"][0].replace(".", " ")
     expect(seen.page.locator(".correlation figcaption")).to_contain_text(f"{first} and {first}: 1.0")
     assert seen.errors == []
 

@@ -2,6 +2,7 @@
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { useResource } from "../data/resource";
+import { parameterName } from "../format/names";
 import { number } from "../format/numbers";
 import { t } from "../messages/messages";
 import { CorrelationMatrix } from "../plots/correlation-matrix";
@@ -34,7 +35,7 @@ function Pairs({ found }: { found: Correlation }) {
       <ul class="reasons">
         {found.strongest.slice(0, MAX_PAIRS).map((one) => (
           <li key={`${one.one} ${one.other}`}>
-            {t("pairWithCorrelation", { one: one.one, other: one.other, correlation: number(one.correlation, 3) })}
+            {t("pairWithCorrelation", { one: parameterName(one.one), other: parameterName(one.other), correlation: number(one.correlation, 3) })}
           </li>
         ))}
       </ul>

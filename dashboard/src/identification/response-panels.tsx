@@ -172,9 +172,11 @@ function Residuals({ fit, noFit, channels, range, units }: ShownProps & { range:
 
 function polarCurves(props: ShownProps, channel: string, style: number): PolarCurve[] {
   const curves: PolarCurve[] = [];
-  if (props.reference) curves.push({ name: t("overlaidRun", { channel }), style, line: false, faint: true, ...pointsOf(props, props.reference, channel) });
   const fitted = fittedOf(props, channel);
+  // Without a model's curve between them, points are connected in the order of speed.
+  const line = !fitted;
+  if (props.reference) curves.push({ name: t("overlaidRun", { channel }), style, line, marked: true, faint: true, ...pointsOf(props, props.reference, channel) });
   if (fitted) curves.push({ name: t("channelModel", { channel }), style, line: true, unlabelled: true, rpm: fittedSpeeds(props), amplitude: fitted.amplitude, lag: fitted.phase });
-  curves.push({ name: channel, style, line: false, ...pointsOf(props, props.measured, channel) });
+  curves.push({ name: channel, style, line, marked: true, ...pointsOf(props, props.measured, channel) });
   return curves;
 }

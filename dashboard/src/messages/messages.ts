@@ -82,9 +82,13 @@ async function storedSentences(): Promise<Readonly<Record<string, string>>> {
   }
 }
 
+/** Names of parameters within a sentence: `coupling.C1.cxy`, `disc.D1.unbalance.real`. */
+const PARAMETER = /\b(bearing|coupling|disc|material|pedestal|probe|seal|shaft|static_load)\.([\w-]+)\.([a-z]\w*)(?:\.(real|imaginary))?/g;
+
 /** A sentence that the service has stored in English, in the page's language as far as there are words for its parts. */
 export function stored(sentence: string): string {
-  return sentence.split("; ").map(storedPart).join("; ");
+  return sentence.split("; ").map(storedPart).join("; ").replace(PARAMETER, (_, kind: string, id: string, quantity: string, component?: string) =>
+    `${term(kind)} ${id} ${term(quantity)}${component ? `, ${t(component === "real" ? "realPart" : "imaginaryPart")}` : ""}`);
 }
 
 function storedForm(text: string): RegExp {

@@ -1,6 +1,7 @@
 // A correlation matrix as a picture, read out by pointer and keys.
 import type { DataColumn } from "../browser/download";
 import { useState } from "preact/hooks";
+import { parameterName } from "../format/names";
 import { number } from "../format/numbers";
 import { t } from "../messages/messages";
 import type { Correlation } from "../schemas/identifications";
@@ -43,7 +44,7 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
         {at && <rect class="chosen" x={at[1] * CELL} y={at[0] * CELL} width={CELL} height={CELL} />}
       </svg>
       <figcaption class="muted" aria-live="polite">
-        {at ? t("pairCorrelation", { one: found.coordinates[at[0]], other: found.coordinates[at[1]], correlation: number(found.correlation[at[0]]![at[1]], 2) }) : t("positiveNegativeTheAreaIs")}
+        {at ? t("pairCorrelation", { one: parameterName(found.coordinates[at[0]]!), other: parameterName(found.coordinates[at[1]]!), correlation: number(found.correlation[at[0]]![at[1]], 2) }) : t("positiveNegativeTheAreaIs")}
       </figcaption>
     </figure>
   );

@@ -8,6 +8,8 @@ export interface PolarCurve {
   amplitude: (number | null)[];
   lag: (number | null)[];
   line: boolean;
+  /** Its points are marked on the line as well. */
+  marked?: boolean;
   faint?: boolean;
   /** Without speeds beside it. */
   unlabelled?: boolean;

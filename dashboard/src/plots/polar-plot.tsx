@@ -97,7 +97,8 @@ function CurveOf({ drawn: { curve, points }, scale }: { drawn: DrawnCurve; scale
   const end = points.at(-1);
   return (
     <g class={`curve s${curve.style % COLOURS} ${curve.faint ? "faint" : ""}`}>
-      {curve.line ? <path d={linePath(points)} /> : <path class="dots" d={points.map((one) => `M${one.x.toFixed(1)} ${one.y.toFixed(1)}h0`).join("")} />}
+      {curve.line && <path d={linePath(points)} />}
+      {(!curve.line || curve.marked) && <path class="dots" d={points.map((one) => `M${one.x.toFixed(1)} ${one.y.toFixed(1)}h0`).join("")} />}
       {curve.region && <path class="region" d={regionPath(curve.region, scale)} />}
       {curve.radius !== undefined && end && <path d={circlePath(end, curve.radius * scale)} />}
     </g>

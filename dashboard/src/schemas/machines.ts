@@ -82,6 +82,8 @@ export interface FleetMachine {
   unacknowledged: number;
   /** The open alert to look at first. */
   first_alert: { id: number; severity: string; rule: string; element: string; state: string } | null;
+  /** Why it has no run, where it turns outside of its speed range. */
+  outside_speed_range: string | null;
   /** An identification that failed, after which none has ended well. */
   failed_job: { id: number; error: string | null } | null;
   happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline" | "refused", number>;

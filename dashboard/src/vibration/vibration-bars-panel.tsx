@@ -110,10 +110,10 @@ function Bar({ probe, limits, full, fullGap, unit }: BarProps) {
   );
 }
 
-function probeText({ first, second, overall_um_pp: overall, zone }: ProbeVibration, unit: Unit): string {
+function probeText({ time, first, second, overall_um_pp: overall, zone }: ProbeVibration, unit: Unit): string {
   const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
   const parts = [
-    first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t("noGoodValue"),
+    first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t(time === null ? "nothingMeasuredYet" : "noGoodValue"),
     ...(second ? [`2× ${told(second.amplitude_um_pp)}`] : []),
     ...(overall === null ? [] : [t("overallText", { amplitude: told(overall) })]),
   ];

@@ -18,6 +18,7 @@ export function needs(one: FleetMachine): Need[] {
   if (worst === "danger" && !waits) add(4, t("actOnADanger"));
   if (one.happened.refused > 0) add(3, t("mendItsDataSomeWere"));
   if (one.last_identification && !one.last_identification.accepted) add(2, t("lookAtARunThat"));
+  if (one.outside_speed_range) add(2, t("checkItsSpeeds"));
   if (one.failed_job) add(2, t("seeToAFailedJob"));
   if (worst === "alert" && !waits) add(1, t("actOnAnAlert"));
   return found.sort((a, b) => b.urgency - a.urgency);

@@ -91,6 +91,7 @@ class FleetMachine(BaseModel):
     open_alerts: dict[str, int] = Field(description="by severity: alert, danger")
     unacknowledged: int = Field(description="open alerts that nobody has seen")
     first_alert: FirstAlert | None
+    outside_speed_range: str | None = Field(description="why it has no run, where it turns outside of its speed range")
     failed_job: FailedJob | None
     happened: Happened
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
+from estimator.machine.rules import SpeedRange
 from estimator.machine.speed_units import outside_speed_range, short_of_speed_range
 from estimator.runs.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
@@ -78,7 +79,9 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
         direction=direction(now.direction),
         newest_sample_at=to_datetime(now.seen),
         run=_open_run(session, machine, now),
-        outside_speed_range=_without_run(session, machine, now),
+        outside_speed_range=why_without_run(
+            machine.speed_range, now, has_runs=bool(runs.of_machine(session, machine_id, limit=1))
+        ),
         late_samples_waiting=sum(count for _, _, _, count in now.late),
     )
 
@@ -90,13 +93,13 @@ def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm
     return part if kind == "run-up" else 1.0 - part
 
 
-def _without_run(session: Session, machine: Machine, now: CollectionState) -> str | None:
+def why_without_run(limits: SpeedRange, now: CollectionState, *, has_runs: bool) -> str | None:
     """Return why a machine that turns has no run; None where that is not known, or it has one."""
     speeds = np.array([now.slowest, now.fastest])
-    outside = outside_speed_range(machine.speed_range, speeds)
-    if outside or runs.of_machine(session, machine.id, limit=1):
+    outside = outside_speed_range(limits, speeds)
+    if outside or has_runs:
         return outside or None
-    return short_of_speed_range(machine.speed_range, speeds) or None
+    return short_of_speed_range(limits, speeds) or None
 
 
 def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenRun | None:

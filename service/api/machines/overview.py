@@ -8,10 +8,11 @@ from typing import Any
 import msgspec
 from sqlalchemy.orm import Session
 
+from estimator.machine.rules import SpeedRange
 from estimator.units import rad_per_s_to_rpm
 from service.alerts.lifecycle import Severity
 from service.api.conventions.values import time_or_none
-from service.api.machines.machine_state import progress
+from service.api.machines.machine_state import progress, why_without_run
 from service.runs.collection_state import CollectionState
 from storage.clock import to_datetime
 from storage.database.change_counts import Changes
@@ -88,9 +89,18 @@ def _row(one: MachineGlance, standing: CollectionState | None) -> OverviewRow:
         "open_alerts": {label: one.open_alerts.get(severity, 0) for severity, label in LABELS},
         "unacknowledged": one.unacknowledged,
         "first_alert": _first_alert(one.first_alert),
+        "outside_speed_range": _without_run(one, standing),
         "failed_job": None if one.failed_job is None else {"id": one.failed_job.id, "error": one.failed_job.error},
         "happened": one.since,
     }
+
+
+def _without_run(one: MachineGlance, standing: CollectionState | None) -> str | None:
+    minimum, maximum = one.machine.minimum_rpm, one.machine.maximum_rpm
+    if standing is None or minimum is None or maximum is None:
+        return None
+    limits = SpeedRange(minimum_rpm=minimum, maximum_rpm=maximum)
+    return why_without_run(limits, standing, has_runs=one.last_run is not None)
 
 
 def _open_run(one: MachineGlance, standing: CollectionState | None) -> OverviewRow | None:

@@ -141,5 +141,5 @@ def test_a_finding_is_told_in_german() -> None:
     )
     # What programs read is the same in all languages.
     assert one.actions[0].opportunity == "in operation"
-    assert "Zu tun: beim nächsten Stillstand:" in advice_lines(one, GERMAN)
+    assert "Zu tun beim nächsten Stillstand:" in advice_lines(one, GERMAN)
     assert plain_message("run_out", "probe.B1X", GERMAN) == "Runout an Aufnehmer B1X"

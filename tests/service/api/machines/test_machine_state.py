@@ -190,5 +190,6 @@ def test_a_machine_that_covered_too_little_for_a_run_is_told_until_it_has_one(jo
     send(journal, sent, 0, len(sent))
     found = state(api)
     assert found["run"] is None
+    assert api.value("/fleet")["machines"][0]["outside_speed_range"] == found["outside_speed_range"]
     assert found["outside_speed_range"].startswith("it turned at 104.7 to 313.4 r/min, 0 % of 300 to 3000 r/min: ")
     assert "speeds in rad/s that were sent as r/min" in found["outside_speed_range"]
