@@ -229,6 +229,33 @@ def test_a_machine_is_printed_in_a_line(pump: Machine) -> None:
     assert str(pump) == repr(pump) == "motor-pump: 2 shafts, 4 discs, 4 bearings, 1 coupling, 8 probes; 300 to 3600 r/min"
 
 
+CONTRADICTIONS: dict[str, tuple[Callable[[Machine], dict[str, Any]], str]] = {
+    "no bearings": (lambda _: {"bearings": ()}, "bearings: Tuple should have at least 1 item"),
+    "an empty range": (
+        lambda pump: {"speed_range": pump.speed_range.model_copy(update={"minimum_rpm": 4000.0})},
+        "speed_range: minimum_rpm 4000.0 must be below maximum_rpm 3600.0",
+    ),
+    "a disc on no shaft": (
+        lambda pump: {"discs": (pump.discs[0].model_copy(update={"shaft": "moter"}), *pump.discs[1:])},
+        "discs[0].shaft: 'moter' is not one of the shafts",
+    ),
+    "a mass in words": (
+        lambda pump: {"discs": (pump.discs[0].model_copy(update={"mass": "heavy"}), *pump.discs[1:])},
+        "discs[0].mass: Input should be a valid number",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CONTRADICTIONS)
+def test_a_copy_of_a_machine_that_contradicts_itself_is_refused(pump: Machine, run: rd.MachineRun, name: str) -> None:
+    change, words = CONTRADICTIONS[name]
+    wrong = pump.model_copy(update=change(pump))
+    for use in (rd.read_machine, rd.simulate, rd.model, lambda machine: rd.identify(machine, run)):
+        with pytest.raises(WrongMachine, match=f"^this is no machine: {re.escape(words)}") as raised:
+            use(wrong)
+        one_line(raised)
+
+
 def test_a_decimal_comma_in_a_document_is_named(pump: Machine) -> None:
     said = pump.model_dump()
     said["discs"][0]["mass"] = "220,5"
