@@ -12,6 +12,7 @@ from estimator.identification.quality_gate import GatedIdentification, identify_
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.machine_files import checked_machine
 from rotorundown.result import Result
 from rotorundown.runs import MachineRun
 
@@ -41,6 +42,7 @@ def identify(
         The result. A fit that is not accepted is returned too, and says so: look at `accepted` before using it.
 
     Raises:
+        WrongMachine: The machine is a copy that contradicts itself.
         NothingToIdentify: The usable points do not allow an identification, or a rule is wrong.
         ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
     """
@@ -56,6 +58,7 @@ def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
     """Raise NothingToIdentify for what is no machine or no run of it: files and tables have to be read first."""
     if not isinstance(machine, Machine):
         raise NothingToIdentify(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
+    checked_machine(machine)
     if not runs:
         raise NothingToIdentify("no run is given: identify needs one at least")
     for run in runs:
@@ -98,6 +101,7 @@ def identify_behind_gate(
         Qualities and identification.
 
     Raises:
+        WrongMachine: The machine is a copy that contradicts itself.
         NothingToIdentify: No run is given, or a rule is wrong.
         ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
     """

@@ -1,7 +1,8 @@
 """Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
 
 import csv
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, get_args
 
@@ -10,17 +11,31 @@ from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.close_matches import did_you_mean
-from estimator.errors import Invalid
 from estimator.machine.document import Machine
-from estimator.units import RAD_PER_S, AmplitudeKind, AmplitudeUnit, PhaseConvention, PhaseUnit, SpeedUnit, rad_per_s_to_rpm
-from formats.wire import WIRE_SCHEMA, SampleBatch, to_samples
+from estimator.units import (
+    METRES,
+    RAD_PER_S,
+    AmplitudeKind,
+    AmplitudeUnit,
+    PhaseConvention,
+    PhaseUnit,
+    SpeedUnit,
+    rad_per_s_to_rpm,
+)
+from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
+from rotorundown.run_columns import (
+    AMPLITUDE_ENDS,
+    PHASE_ENDS,
+    SPEED_COLUMNS,
+    TIME_COLUMNS,
+    WrongRun,
+    columns_of,
+    known_name,
+    require_different,
+)
 from storage.clock import now
 from storage.encoding.sample_blocks import Samples
 
-SPEED_COLUMNS = ("speed", "speed_rpm", "rpm")
-TIME_COLUMNS = ("time", "time_s")
-AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
-PHASE_ENDS = ("_phase", "_lag_deg")
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
 """Columns whose names give the unit of the speed."""
@@ -43,10 +58,10 @@ WIDE_PHASES_DEG = 90.0
 """Spread of the phases of other channels [°] beside which one within a turn in radians is doubted."""
 FEWEST_PHASES = 40
 """Number of phases from which on their spread says something about their unit."""
-
-
-class WrongRun(Invalid):
-    """Raised for a file, a table or numbers that cannot be a run of the machine."""
+SMALLEST_AMPLITUDE, LIKELY_AMPLITUDE = 1e-9, 1e-7
+"""Largest amplitude of a run below which its unit is wrong, and from which on another may be right [m]."""
+FEWEST_BELOW_OVERSPEED = 0.5
+"""Share of the speeds within the machine's range or somewhat above it below which another unit is likely [-]."""
 
 
 class TableUnits(Struct, frozen=True):
@@ -79,16 +94,7 @@ class RunTable(Struct, frozen=True, eq=False):
     @classmethod
     def of(cls, source: Any) -> "RunTable":
         """Return the columns of a data frame or a mapping. Raises WrongRun."""
-        if not hasattr(source, "keys") or not hasattr(source, "__getitem__"):
-            raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}")
-        names = [str(name) for name in source.keys()]  # noqa: SIM118 - a frame's too
-        _require_different(names)
-        columns = {str(name): _numbers(str(name), source[name]) for name in source.keys()}  # noqa: SIM118
-        if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
-            raise WrongRun("the run has no samples: each column must hold at least one number")
-        if len({column.size for column in columns.values()}) > 1:
-            raise WrongRun(f"columns differ in length: {', '.join(f'{name} {one.size}' for name, one in columns.items())}")
-        return cls(columns)
+        return cls(columns_of(source))
 
     @property
     def time(self) -> Floats | None:
@@ -111,6 +117,7 @@ class RunTable(Struct, frozen=True, eq=False):
             )
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
+        _require_amplitude_unit(amplitude, units.amplitude)
         _require_phase_unit(phase, units.phase)
         seconds = np.arange(speed.size, dtype=float) if self.time is None else _seconds(self.time)
         batch = SampleBatch(
@@ -141,23 +148,29 @@ class RunTable(Struct, frozen=True, eq=False):
         return samples.pick(taken), left_out
 
     def _foreign(self, machine: Machine, name: str) -> Iterator[str]:
-        """Name the columns of amplitudes that are of no channel of the machine."""
+        """Name the columns of amplitudes that are of no channel of the machine, and those of phases without amplitudes."""
         for column in self.columns:
             end = next((one for one in AMPLITUDE_ENDS if column.endswith(one)), None)
             channel = "" if end is None else column.removesuffix(end)
             if channel and channel not in machine.channels:
                 close = did_you_mean(channel, machine.channels)
                 yield f"{name}, column '{column}' left out: '{channel}' is no channel of '{machine.id}'{close}"
+        for channel, end in product(machine.channels, PHASE_ENDS):
+            wanted = [f"{channel}{one}" for one in AMPLITUDE_ENDS]
+            if f"{channel}{end}" in self.columns and not any(one in self.columns for one in wanted):
+                yield f"{name}, column '{channel}{end}' left out: no column holds the amplitude, {' or '.join(wanted)}"
 
     def _of_channel(self, channel: str, ends: tuple[str, ...], what: str) -> Floats:
         return self.columns[self._first(tuple(f"{channel}{end}" for end in ends), f"the {what} of {channel}")]
 
     def _first(self, names: tuple[str, ...], what: str) -> str:
-        found = next((name for name in names if name in self.columns), None)
-        if found is None:
+        found = [name for name in names if name in self.columns]
+        if not found:
             close = did_you_mean(names[0], self.columns)
             raise WrongRun(f"no column holds {what}: name it {' or '.join(names)}; there are {', '.join(self.columns)}{close}")
-        return found
+        if len(found) > 1:
+            raise WrongRun(f"columns {' and '.join(map(repr, found))} hold {what}: which one counts?")
+        return found[0]
 
 
 def read_csv_table(path: Path) -> RunTable:
@@ -175,7 +188,7 @@ def read_csv_table(path: Path) -> RunTable:
     separator = next((words for sign, words in OTHER_SEPARATORS.items() if sign in header[0]), None)
     if len(header) == 1 and separator:
         raise WrongRun(f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point")
-    _require_different(header)
+    require_different([known_name(name) for name in header])
     for line, row in enumerate(body, start=2):
         if row and len(row) != len(header):
             raise WrongRun(
@@ -185,31 +198,10 @@ def read_csv_table(path: Path) -> RunTable:
     return RunTable.of({name: [row[i] for row in body if row] for i, name in enumerate(header)})
 
 
-def _require_different(names: Sequence[str]) -> None:
-    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
-    if twice is not None:
-        raise WrongRun(f"column '{twice}' stands twice: which one counts?")
-
-
 def _seconds(values: Floats) -> Floats:
     if not np.all(np.isfinite(values)):
         raise WrongRun(f"the time has no number in row {int(np.argmin(np.isfinite(values))) + 1}")
     return values
-
-
-def _numbers(name: str, values: Iterable[Any]) -> Floats:
-    """Return a column's numbers, NaN for blanks. Raises WrongRun."""
-    listed = list(values)
-    found = np.full(len(listed), np.nan)
-    for number, value in enumerate(listed):
-        if value is None or (isinstance(value, str) and not value.strip()):
-            continue
-        try:
-            found[number] = float(value)
-        except (TypeError, ValueError):
-            comma = ": write numbers with a decimal point" if "," in str(value) else ""
-            raise WrongRun(f"column '{name}', row {number + 1}: '{value!s:.40}' is not a number{comma}") from None
-    return found
 
 
 def _blank(table: Floats) -> list[list[float | None]]:
@@ -221,10 +213,13 @@ def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> N
     limits = machine.speed_range
     if not np.all(np.isfinite(speed)):
         raise WrongRun(f"the speed has no number in row {int(np.argmin(np.isfinite(speed))) + 1}")
-    if _enters(speed, units.speed, machine):
-        return
     others = [unit for unit in RAD_PER_S if unit != units.speed and _enters(speed, unit, machine)]
     hint = f": are these in {' or '.join(others)}? Say so with speed_unit" if others else ""
+    if _enters(speed, units.speed, machine):
+        slow = [_share_below_overspeed(speed, unit, machine) for unit in (units.speed, *others)]
+        if slow[0] < FEWEST_BELOW_OVERSPEED and max(slow) == 1.0:
+            raise WrongRun(f"most speeds lie far beyond the range of '{machine.id}' when read in {units.speed}{hint}")
+        return
     highest = rad_per_s_to_rpm(float(np.max(np.abs(speed))) * RAD_PER_S[units.speed])
     raise WrongRun(
         f"the run reaches {highest:.0f} r/min and never enters the range of '{machine.id}', "
@@ -235,6 +230,22 @@ def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> N
 def _enters(speed: Floats, unit: SpeedUnit, machine: Machine) -> bool:
     rpm = np.abs(speed) * RAD_PER_S[unit] / RAD_PER_S["rpm"]
     return bool(np.any((rpm >= machine.speed_range.minimum_rpm) & (rpm <= machine.speed_range.maximum_rpm)))
+
+
+def _share_below_overspeed(speed: Floats, unit: SpeedUnit, machine: Machine) -> float:
+    rpm = np.abs(speed) * RAD_PER_S[unit] / RAD_PER_S["rpm"]
+    return float(np.mean(rpm <= OVERSPEED * machine.speed_range.maximum_rpm))
+
+
+def _require_amplitude_unit(amplitude: Floats, unit: AmplitudeUnit) -> None:
+    """Raise WrongRun for amplitudes that no probe resolves, and that would be those of a machine in another unit."""
+    known = np.abs(amplitude[np.isfinite(amplitude)])
+    largest = float(np.max(known, initial=0.0))
+    if not 0.0 < largest * METRES[unit] < SMALLEST_AMPLITUDE:
+        return
+    others = [other for other in METRES if LIKELY_AMPLITUDE <= largest * METRES[other] <= LARGEST_AMPLITUDE]
+    hint = f": are these in {' or '.join(others)}? Say so with amplitude_unit" if others else ""
+    raise WrongRun(f"the largest amplitude is {largest:.2g} {unit}, less than any probe resolves{hint}")
 
 
 def _require_phase_unit(phase: Floats, unit: PhaseUnit) -> None:

@@ -23,11 +23,12 @@ from estimator.units import (
     SpeedUnit,
 )
 from formats.files.document_files import UnreadableFile
-from formats.recordings.sidecar_place import sidecar_of
+from formats.recordings.sidecar_place import is_plain_table, sidecar_of
 from formats.wire import Rejected
 from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.optional_packages import optional_package
-from rotorundown.run_tables import RunTable, TableUnits, WrongRun, read_csv_table
+from rotorundown.run_columns import WrongRun
+from rotorundown.run_tables import RunTable, TableUnits, read_csv_table
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
 
@@ -94,7 +95,9 @@ class MachineRun(Struct, frozen=True, eq=False):
         return optional_package("pandas", needed_for="data frames").DataFrame(columns)
 
     def __str__(self) -> str:
-        lines = [f"{self.name}: {len(self)} samples, {', '.join(self.channels)}; read {self.units}"]
+        lines = [
+            f"{self.name}: {len(self)} sample{'' if len(self) == 1 else 's'}, {', '.join(self.channels)}; read {self.units}"
+        ]
         if len(self):
             lines.append(
                 f"{self.speed_rpm.min():.0f} to {self.speed_rpm.max():.0f} r/min; "
@@ -149,8 +152,10 @@ def read_run(
     path = found_example(Path(source))
     if path.is_dir():
         raise WrongRun(f"{path} is a folder: name a file of it")
+    if path.suffix in (".yaml", ".yml", ".json"):
+        raise WrongRun(f"{path} is no recording: name the table of the run, such as a CSV file")
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)
-    if sidecar is None and path.suffix == ".csv" and not beside.exists():
+    if sidecar is None and is_plain_table(path):
         return _run_of_table(read_csv_table(path), path.name, machine, units)
     # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
     from formats.recordings.recorded_runs import read_runs

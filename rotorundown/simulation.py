@@ -21,6 +21,7 @@ from estimator.simulation.simulated_gaps import simulated_gaps
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law, truth_at_progress, truth_of_run
 from estimator.simulation.stories import Story
 from estimator.units import KILOGRAM_METRES
+from rotorundown.machine_files import checked_machine
 from rotorundown.runs import MachineRun
 
 DURATION_S = 600.0
@@ -59,6 +60,7 @@ def simulate(
         The run, with its true parameters.
 
     Raises:
+        WrongMachine: The machine is a copy that contradicts itself.
         NotSimulated: There is no such story, or a number is out of its range.
         ValueError: The document does not say enough to simulate from.
     """
@@ -86,6 +88,7 @@ def simulate(
 def _require_possible(machine: Machine, story: str, progress: float, samples: int, duration_s: float) -> None:
     if not isinstance(machine, Machine):
         raise NotSimulated(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
+    checked_machine(machine)
     stories = get_args(Story)
     if story not in stories:
         raise NotSimulated(f"there is no story {story!r}: there are {', '.join(stories)}{did_you_mean(str(story), stories)}")

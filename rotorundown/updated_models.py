@@ -2,6 +2,7 @@
 
 from estimator.machine.document import Machine
 from estimator.updated_model.model import expected_model
+from rotorundown.machine_files import checked_machine
 from rotorundown.machine_model import Model
 from rotorundown.result import Result, require_result
 
@@ -17,9 +18,10 @@ def model(source: Result | Machine) -> Model:
 
     Raises:
         NotIdentified: The source is neither.
+        WrongMachine: The machine is a copy that contradicts itself.
         ValueError: The document does not say enough to expect anything.
     """
     if isinstance(source, Machine):
-        return Model(expected_model(source))
+        return Model(expected_model(checked_machine(source)))
     require_result(source, "the source")
     return source.model

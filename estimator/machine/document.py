@@ -32,6 +32,8 @@ from estimator.strict_model import fields_beside, repeatable
 
 TINY = 1e-20
 """Bound that stands for zero [m, or any unit]."""
+COUNTED = ("shafts", "discs", "bearings", "couplings", "probes")
+"""Lists whose lengths tell what kind of machine it is."""
 MOST_WITH_FURTHER = 100
 """Most wrong fields beside which contradictions are looked for."""
 
@@ -108,6 +110,14 @@ class Machine(Part):
         if problems:
             raise ValidationError.from_exception_data("Machine", problems)
         return self
+
+    def __repr__(self) -> str:
+        """Name the machine and count its parts, in one line."""
+        counts = ((name, len(getattr(self, name))) for name in COUNTED)
+        counted = ", ".join(f"{count} {name.removesuffix('s') if count == 1 else name}" for name, count in counts)
+        return f"{self.id}: {counted}; {self.speed_range.minimum_rpm:g} to {self.speed_range.maximum_rpm:g} r/min"
+
+    __str__ = __repr__
 
     def describes_the_same_as(self, other: Machine) -> bool:
         """Check whether identifications under both documents can be compared: only name and rules of the service differ.
@@ -287,6 +297,8 @@ def _words(item: Any, model: type[BaseModel] | None) -> str:
         return "there is no such field" + (did_you_mean(str(item["loc"][-1]), known) or f": there are {', '.join(known)}")
     if item["type"] == "model_type":
         return "should be fields by name, each with its value"
+    if item["type"] == "float_parsing" and "," in str(item["input"]):
+        return f"'{item['input']!s:.40}' is no number: write it with a decimal point"
     least = item.get("ctx", {}).get("gt")
     if item["type"] == "greater_than" and isinstance(least, float) and 0.0 < least <= TINY:
         return "Input should be greater than 0"

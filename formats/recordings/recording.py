@@ -30,6 +30,8 @@ from storage.files.private_files import prepare
 
 LONGEST_S = 1e9
 """Longest recording: thirty years [s]."""
+SPREADSHEETS = (".xlsx", ".xls", ".ods")
+"""Ends of files that are no tables of numbers yet."""
 
 
 class RecordedChannel(BaseModel):
@@ -155,6 +157,8 @@ def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
     beside = sidecar_path or sidecar_of(path)
     if not path.exists():
         raise UnreadableFile(f"{path}: no such file")
+    if path.suffix.lower() in SPREADSHEETS:
+        raise UnreadableFile(f"{path} is a spreadsheet: save its table as CSV")
     if not beside.exists():
         raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
     sidecar = read_sidecar(beside)
@@ -263,10 +267,18 @@ def write_recording(
 def read_sidecar(path: Path) -> Sidecar:
     """Return a sidecar; raise UnreadableFile, naming every wrong field."""
     try:
-        return Sidecar.model_validate(read_yaml(path))
+        content = read_yaml(path)
+        if not isinstance(content, dict):
+            raise UnreadableFile(f"{path} is not a recording's sidecar: it should be fields by name, each with its value")
+        return Sidecar.model_validate(content)
     except ValidationError as error:
-        problems = "\n".join(dict.fromkeys(f"  {_fault_text(item['loc'], item['msg'])}" for item in _chosen(error)))
-        raise UnreadableFile(f"{path} is not a recording's sidecar:\n{problems}") from error
+        if {"shafts", "bearings"} <= content.keys():
+            raise UnreadableFile(
+                f"{path} is a machine document and not the recording's sidecar: give one of the two another name"
+            ) from error
+        problems = list(dict.fromkeys(_fault_text(item["loc"], item["msg"]) for item in _chosen(error)))
+        listed = f" {problems[0]}" if len(problems) == 1 else "".join(f"\n  {one}" for one in problems)
+        raise UnreadableFile(f"{path} is not a recording's sidecar:{listed}") from error
 
 
 def _chosen(error: ValidationError) -> list[ErrorDetails]:

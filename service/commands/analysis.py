@@ -314,15 +314,14 @@ def _runs(
     """
     from formats.files.document_files import read_machine
     from formats.recordings.recorded_runs import read_runs, without_slow_roll
-    from formats.recordings.sidecar_place import sidecar_of
+    from formats.recordings.sidecar_place import is_plain_table
     from rotorundown.runs import read_run
     from service.commands.document_warnings import print_warnings
     from service.commands.results.identification_report import slow_roll_text
 
     described = read_machine(machine)
     print_warnings(described)
-    plain = (one.suffix == ".csv" and one.is_file() and not sidecar_of(one).exists() for one in files)
-    if sidecar is None and any(plain):
+    if sidecar is None and any(one.is_file() and is_plain_table(one) for one in files):
         read = [read_run(file, machine=described) for file in files]
         runs = [(one.recorded, one.measurement) for one in read]
         left_out = [f"{one.name}: read {one.units}" for one in read] + [line for one in read for line in one.left_out]

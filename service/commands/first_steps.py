@@ -73,10 +73,8 @@ def check(
         (described.probes, "probe"),
     )
     counts = {name: len(those) for those, name in parts}
-    limits = described.speed_range
     if not as_json:
-        counted = ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for name, count in counts.items())
-        print_line(f"{described.id}: {counted}; {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
+        print_line(str(described))
     read: list[dict[str, Any]] = []
     for file in runs or ():
         try:

@@ -12,7 +12,7 @@ import rotorundown as rd
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from formats.recordings.recording import write_recording
-from rotorundown.run_tables import WrongRun
+from rotorundown.run_columns import WrongRun
 
 
 def table(run: rd.MachineRun) -> dict[str, Floats]:

@@ -10,7 +10,7 @@ import rotorundown as rd
 from benchmarks.serving import served
 from formats.recordings.recording import read_recording
 from formats.wire import to_samples
-from rotorundown.run_tables import WrongRun
+from rotorundown.run_columns import WrongRun
 from rotorundown.service_rows import AlertEntry, EstimateEntry, IdentificationEntry, MachineEntry, RunEntry
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding

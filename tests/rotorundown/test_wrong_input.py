@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
@@ -14,7 +15,7 @@ import rotorundown as rd
 from estimator.machine.document import DocumentError, Machine
 from rotorundown.identification import NothingToIdentify
 from rotorundown.machine_files import WrongMachine
-from rotorundown.run_tables import WrongRun
+from rotorundown.run_columns import WrongRun
 from service.commands.app import app
 from tests.paths import EXAMPLES
 
@@ -127,6 +128,46 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         "is no text in UTF-8: save it as CSV in UTF-8",
     ),
     "an array": (lambda frame, _: frame.to_numpy(), {}, "a data frame or a mapping of columns, not ndarray"),
+    "one column alone": (lambda frame, _: frame["speed_rpm"], {}, "a data frame or a mapping of columns, not Series"),
+    "numbers for columns": (lambda _f, _: {"speed_rpm": 1.0}, {}, "column 'speed_rpm' is a float: give a list of numbers"),
+    "truth values": (lambda frame, _: frame.assign(B1L_um_pp=True), {}, "column 'B1L_um_pp', row 1: 'True' is not a number"),
+    "dates as text": (
+        lambda frame, _: frame.assign(time="2026-11-27 04:00:00"),
+        {},
+        "'2026-11-27 04:00:00' is not a number: write seconds since the start, or give a data frame with dates",
+    ),
+    "two names of one column": (
+        lambda frame, _: frame.assign(B1L_amplitude=frame["B1L_um_pp"]),
+        {},
+        "columns 'B1L_amplitude' and 'B1L_um_pp' hold the amplitude of B1L: which one counts?",
+    ),
+    "two speeds": (lambda frame, _: frame.assign(Speed=1.0), {}, "columns 'speed' and 'speed_rpm' hold the speed"),
+    "revolutions a minute said to be radians": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
+        {"speed_unit": "rad/s"},
+        "most speeds lie far beyond the range of 'motor-pump' when read in rad/s: are these in rpm? Say so with speed_unit",
+    ),
+    "metres": (
+        lambda frame, _: frame.apply(lambda one: one * 1e-6 if one.name.endswith("_um_pp") else one),
+        {},
+        "less than any probe resolves: are these in m? Say so with amplitude_unit",
+    ),
+    "a document": (lambda _f, _: str(PUMP), {}, "is no recording: name the table of the run, such as a CSV file"),
+    "a document of its name beside it": (
+        lambda frame, file: shutil.copy(PUMP, file.with_suffix(".yaml")) and written(file, frame),
+        {},
+        "run.yaml is a machine document and not the recording's sidecar: give one of the two another name",
+    ),
+    "an empty sidecar": (
+        lambda frame, file: file.with_suffix(".yaml").write_text("") or written(file, frame),
+        {},
+        "run.yaml is not a recording's sidecar: it should be fields by name, each with its value",
+    ),
+    "a spreadsheet": (
+        lambda _f, file: file.with_suffix(".xlsx").write_bytes(b"PK") and file.with_suffix(".xlsx"),
+        {},
+        "run.xlsx is a spreadsheet: save its table as CSV",
+    ),
 }
 
 
@@ -135,6 +176,91 @@ def test_what_cannot_be_a_run_is_one_line(pump: Machine, run: rd.MachineRun, tmp
     make, options, words = MISREAD[name]
     with pytest.raises(WrongRun, match=re.escape(words)) as raised:
         rd.read_run(make(run.to_frame(), tmp_path / "run.csv"), machine=pump, **options)
+    one_line(raised)
+
+
+def in_capitals(frame: Any) -> Any:
+    return frame.rename(columns=lambda name: f" {name.upper()} ")
+
+
+def dated(frame: Any, zone: str | None = None) -> Any:
+    return frame.set_index(pd.date_range("2026-11-27", periods=len(frame), freq="2s", tz=zone))
+
+
+TAKEN: dict[str, Callable[[Any], Any]] = {
+    "names in capitals with spaces": in_capitals,
+    "missing values of pandas": lambda frame: frame.astype("Float64"),
+    "numbers as text": lambda frame: frame.astype(str),
+    "the speed as index": lambda frame: frame.set_index("speed_rpm"),
+    "dates as index": dated,
+    "dates with a zone": lambda frame: dated(frame, "Europe/Berlin"),
+    "dates as a column": lambda frame: dated(frame).rename_axis("time").reset_index(),
+    "durations as index": lambda frame: frame.set_index(pd.timedelta_range(0, periods=len(frame), freq="2s")),
+    "the time as index": lambda frame: frame.set_index(pd.Index(2.0 * np.arange(len(frame)), name="time_s")),
+}
+
+
+@pytest.mark.parametrize("name", TAKEN)
+def test_a_frame_is_taken_as_people_have_it(pump: Machine, run: rd.MachineRun, name: str) -> None:
+    read = rd.read_run(TAKEN[name](run.to_frame()), machine=pump)
+    assert read.speed_rpm == pytest.approx(run.speed_rpm, rel=1e-4)
+    assert read.amplitude_um_pp == pytest.approx(run.amplitude_um_pp, rel=2e-3)
+    assert (read.recorded.time is not None) is any(word in name for word in ("dates", "durations", "time"))
+    if read.recorded.time is not None:
+        assert read.interval_s == pytest.approx(2.0)
+
+
+def test_a_missing_value_of_pandas_is_none(pump: Machine, run: rd.MachineRun) -> None:
+    frame = run.to_frame().astype("Float64")
+    frame.loc[3, "B1L_um_pp"] = pd.NA
+    assert np.argwhere(np.isnan(rd.read_run(frame, machine=pump).amplitude_um_pp)).tolist() == [[3, 0]]
+
+
+def test_phases_without_amplitudes_are_named(pump: Machine, run: rd.MachineRun) -> None:
+    (said,) = rd.read_run(run.to_frame().drop(columns="B1L_um_pp"), machine=pump).left_out
+    assert said.startswith("run, column 'B1L_lag_deg' left out: no column holds the amplitude, B1L_amplitude or B1L_um_pp")
+
+
+def test_a_file_that_ends_in_capitals_is_a_table(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    assert len(rd.read_run(written(tmp_path / "RUN.CSV", run.to_frame()), machine=pump)) == len(run)
+
+
+def test_a_machine_is_printed_in_a_line(pump: Machine) -> None:
+    assert str(pump) == repr(pump) == "motor-pump: 2 shafts, 4 discs, 4 bearings, 1 coupling, 8 probes; 300 to 3600 r/min"
+
+
+CONTRADICTIONS: dict[str, tuple[Callable[[Machine], dict[str, Any]], str]] = {
+    "no bearings": (lambda _: {"bearings": ()}, "bearings: Tuple should have at least 1 item"),
+    "an empty range": (
+        lambda pump: {"speed_range": pump.speed_range.model_copy(update={"minimum_rpm": 4000.0})},
+        "speed_range: minimum_rpm 4000.0 must be below maximum_rpm 3600.0",
+    ),
+    "a disc on no shaft": (
+        lambda pump: {"discs": (pump.discs[0].model_copy(update={"shaft": "moter"}), *pump.discs[1:])},
+        "discs[0].shaft: 'moter' is not one of the shafts",
+    ),
+    "a mass in words": (
+        lambda pump: {"discs": (pump.discs[0].model_copy(update={"mass": "heavy"}), *pump.discs[1:])},
+        "discs[0].mass: Input should be a valid number",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CONTRADICTIONS)
+def test_a_copy_of_a_machine_that_contradicts_itself_is_refused(pump: Machine, run: rd.MachineRun, name: str) -> None:
+    change, words = CONTRADICTIONS[name]
+    wrong = pump.model_copy(update=change(pump))
+    for use in (rd.read_machine, rd.simulate, rd.model, lambda machine: rd.identify(machine, run)):
+        with pytest.raises(WrongMachine, match=f"^this is no machine: {re.escape(words)}") as raised:
+            use(wrong)
+        one_line(raised)
+
+
+def test_a_decimal_comma_in_a_document_is_named(pump: Machine) -> None:
+    said = pump.model_dump()
+    said["discs"][0]["mass"] = "220,5"
+    with pytest.raises(WrongMachine, match=r"discs\[0\].mass: '220,5' is no number: write it with a decimal point") as raised:
+        rd.read_machine(said)
     one_line(raised)
 
 

@@ -1,0 +1,92 @@
+"""Columns of a table as people have them: data frames with times as their index, missing values, numbers as text."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.errors import Invalid
+
+SPEED_COLUMNS = ("speed", "speed_rpm", "rpm")
+TIME_COLUMNS = ("time", "time_s")
+AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
+PHASE_ENDS = ("_phase", "_lag_deg")
+TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
+"""Kinds of columns and of a frame's index that hold dates or durations, and how numpy has them."""
+
+
+class WrongRun(Invalid):
+    """Raised for a file, a table or numbers that cannot be a run of the machine."""
+
+
+def columns_of(source: Any) -> dict[str, Floats]:
+    """Return the columns (S,) of a data frame or a mapping by name, a frame's index among them where it is the time or speed.
+
+    Raises WrongRun.
+    """
+    if not hasattr(source, "keys") or not hasattr(source, "__getitem__") or getattr(source, "ndim", 2) == 1:
+        raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}")
+    given = list(source.keys())
+    names = [known_name(str(name)) for name in given]
+    require_different(names)
+    columns = {name: _numbers(name, source[key]) for name, key in zip(names, given, strict=True)}
+    columns |= dict(_of_index(getattr(source, "index", None), names))
+    if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
+        raise WrongRun("the run has no samples: each column must hold at least one number")
+    if len({column.size for column in columns.values()}) > 1:
+        raise WrongRun(f"columns differ in length: {', '.join(f'{name} {one.size}' for name, one in columns.items())}")
+    return columns
+
+
+def known_name(name: str) -> str:
+    """Return a column's name without spaces around it, its known part in small letters: `B1L_um_pp` for `B1L_UM_PP`."""
+    plain = name.strip()
+    small = plain.lower()
+    if small in (*SPEED_COLUMNS, *TIME_COLUMNS):
+        return small
+    end = next((one for one in (*AMPLITUDE_ENDS, *PHASE_ENDS) if small.endswith(one)), "")
+    return plain[: len(plain) - len(end)] + end
+
+
+def require_different(names: Sequence[str]) -> None:
+    """Raise WrongRun where a name stands twice."""
+    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    if twice is not None:
+        raise WrongRun(f"column '{twice}' stands twice: which one counts?")
+
+
+def _of_index(index: Any, names: Sequence[str]) -> Iterator[tuple[str, Floats]]:
+    """Yield the column that a frame's index is: one with a known name, or dates or durations."""
+    if not hasattr(index, "dtype"):
+        return
+    name = known_name(str(getattr(index, "name", None) or ""))
+    if index.dtype.kind in TIME_KINDS and not set(TIME_COLUMNS) & set(names):
+        yield TIME_COLUMNS[0], _numbers(TIME_COLUMNS[0], index)
+    elif name in (*SPEED_COLUMNS, *TIME_COLUMNS) and name not in names:
+        yield name, _numbers(name, index)
+
+
+def _numbers(name: str, values: Any) -> Floats:
+    """Return a column's numbers, NaN for blanks, and times in seconds since the first. Raises WrongRun."""
+    kind = getattr(getattr(values, "dtype", None), "kind", "")
+    if name in TIME_COLUMNS and kind in TIME_KINDS:
+        moments = np.asarray(values, dtype=TIME_KINDS[kind])
+        return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"), dtype=float)
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable) or not hasattr(values, "__len__"):
+        raise WrongRun(f"column '{name}' is a {type(values).__name__}: give a list of numbers, one a sample")
+    blank = values.isna() if hasattr(values, "isna") else [None] * len(values)
+    found = np.full(len(values), np.nan)
+    for number, (value, missing) in enumerate(zip(values, blank, strict=True)):
+        if missing or value is None or (isinstance(value, str) and not value.strip()):
+            continue
+        try:
+            if isinstance(value, bool | np.bool_):
+                raise TypeError
+            found[number] = float(value)
+        except (TypeError, ValueError):
+            right = ": write numbers with a decimal point" if "," in str(value) else ""
+            if name in TIME_COLUMNS and not right:
+                right = ": write seconds since the start, or give a data frame with dates"
+            raise WrongRun(f"column '{name}', row {number + 1}: '{value!s:.40}' is not a number{right}") from None
+    return found
