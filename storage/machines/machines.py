@@ -4,8 +4,9 @@ import json
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import accumulate
 
-from sqlalchemy import func, select
+from sqlalchemy import Text, cast, func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
@@ -109,6 +110,14 @@ def revisions(
     """Return all revisions of a machine, oldest first. after: the last revision of the page before."""
     query = select(RevisionRow).where(RevisionRow.machine_id == machine_id)
     return session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
+
+
+def count_within(session: Session, machine_id: str, *, limit: int, after: Keys | None, size: int) -> int:
+    """Return how many of the revisions that `revisions` returns have documents of `size` [characters] in all; at least one."""
+    length = func.length(cast(RevisionRow.document, Text))
+    query = select(length).where(RevisionRow.machine_id == machine_id)
+    lengths = session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
+    return max(1, sum(whole <= size for whole in accumulate(lengths)))
 
 
 def document(session: Session, machine_id: str, number: int | None = None) -> Machine:

@@ -1,5 +1,6 @@
 """Machines and the revisions of their documents."""
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import APIRouter, Body, Request, Response, status
@@ -23,6 +24,8 @@ from storage.machines import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
+LARGEST_PAGE = 4 * 2**20
+"""Most characters of the documents in an answer: some take a megabyte, and there may be a thousand revisions."""
 WholeDocument = Annotated[Machine, LISTING_FEW_PROBLEMS, Body(description="the whole machine document")]
 
 
@@ -84,7 +87,9 @@ def _in_force(session: Session, machine_id: str) -> schemas.MachineRevision:
 
 @router.get("/{machine_id}/revisions", operation_id="list_revisions")
 def list_revisions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.MachineRevision]:
-    """List all revisions of the document, oldest first."""
+    """List all revisions of the document, oldest first; of large documents fewer at a time than `limit`: follow the Link."""
     machines.get(session, machine_id)
+    count = machines.count_within(session, machine_id, limit=paging.limit, after=paging.after, size=LARGEST_PAGE)
+    paging = replace(paging, limit=count)
     rows = machines.revisions(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.revision(row) for row in paging.page(rows, lambda row: (row.revision,))]

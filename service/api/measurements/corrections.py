@@ -66,7 +66,12 @@ def corrected_phasors(
 
     Raises SlowRollUnknown, and Unsuitable for more values than an answer may have.
     """
-    _require_bounded(held, 1 if units is None else 2, include)
+    most = most_samples(machine, units, include)
+    if len(held) > most:
+        raise Unsuitable(
+            f"so many samples of {len(machine.channels)} channels are more than the {MOST_VALUES} values that an answer "
+            f"may have: ask for {most} samples at a time, with `limit`, from and to, at GET /api/v1/machines/<id>/samples"
+        )
     version, vectors, left_out = chosen(session, machine, choice)
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))
@@ -75,12 +80,7 @@ def corrected_phasors(
     return answer.model_copy(update={"slow_roll_version": version, "slow_roll_left_out": left_out, "in_units": in_units})
 
 
-def _require_bounded(held: Samples, times: int, include: Collection[schemas.PhasorExtra]) -> None:
-    count, channels = held.phasor.shape
-    for_each = times * channels * (2 + len(set(include)) + ("2x" in include))
-    if count * for_each > MOST_VALUES:
-        raise Unsuitable(
-            f"{count} samples of {channels} channels would be {count * for_each} values; at most {MOST_VALUES} come in an "
-            f"answer: ask for {MOST_VALUES // for_each} samples at a time, with `limit`, from and to, at "
-            f"GET /api/v1/machines/<id>/samples"
-        )
+def most_samples(machine: Machine, units: Units | None, include: Collection[schemas.PhasorExtra]) -> int:
+    """Return the number of samples that an answer may have."""
+    for_each = (1 if units is None else 2) * (2 + len(set(include)) + ("2x" in include)) * len(machine.channels)
+    return MOST_VALUES // for_each

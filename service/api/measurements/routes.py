@@ -12,7 +12,7 @@ from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.units import UnitsIfAsked
 from service.api.measurements import rendering, schemas
-from service.api.measurements.corrections import SlowRollQuery, corrected_phasors, run_samples
+from service.api.measurements.corrections import SlowRollQuery, corrected_phasors, most_samples, run_samples
 from service.security.requirement import VIEWER
 from storage.machines import machines
 from storage.measurements import runs, samples
@@ -70,7 +70,7 @@ def read_samples(
         revision=chosen,
         also=alike,
         channels=len(machine.probes),
-        count=limit,
+        count=min(limit, most_samples(machine, units, include) + 1),  # more are refused, and need not be read
         first=period.first,
         last=period.last,
     )

@@ -9,8 +9,9 @@ import re
 from base64 import b64encode
 from hashlib import sha256
 
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
 from fastapi import FastAPI, Request, Response
-from fastapi.concurrency import run_in_threadpool
 from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse
 
@@ -23,8 +24,9 @@ INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
 def add_openapi_document(app: FastAPI, *, path: str) -> None:
     """Add the document in place of the framework's route, which writes it anew for each request (some 20 ms).
 
-    Anybody may ask for it: here it is written and compressed once.
+    Anybody may ask for it: here it is written and compressed once, in one thread, however many ask at the same time.
     """
+    one_thread = CapacityLimiter(1)
     app.router.routes[:] = [route for route in app.router.routes if getattr(route, "path", None) != path]
 
     @functools.cache
@@ -34,7 +36,7 @@ def add_openapi_document(app: FastAPI, *, path: str) -> None:
 
     @app.get(path, include_in_schema=False, dependencies=[ANYBODY])
     async def read_openapi_document(request: Request) -> Response:
-        plain, zipped = await run_in_threadpool(written)
+        plain, zipped = await run_sync(written, limiter=one_thread)
         headers = {"Vary": "Accept-Encoding"}
         if takes_gzip(request.headers.get("accept-encoding", "")):
             return Response(zipped, media_type="application/json", headers={**headers, "Content-Encoding": "gzip"})

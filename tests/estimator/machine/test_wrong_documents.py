@@ -17,6 +17,11 @@ def with_table(document: Document) -> None:
     bearing["speed_dependence"] = {"form": "table", "speed_rpm": ["x"] * 500, "kxx": ["x"] * 500}
 
 
+def with_names(document: Document) -> None:
+    names = [f"k{number}" for number in range(MANY)]
+    document["bearings"][0]["speed_dependence"] = {"form": "piecewise", "knots_rpm": [300, 3000], "coefficients": names}
+
+
 SPOILT: dict[str, tuple[Callable[[Document], Any], str]] = {
     "parameters": (lambda one: one.update(parameters=[{}] * MANY), f"{MANY} items; at most 200"),
     "shafts[0].sections": (lambda one: one["shafts"][0].update(sections=[{}] * MANY), f"{MANY} items; at most 200"),
@@ -25,6 +30,7 @@ SPOILT: dict[str, tuple[Callable[[Document], Any], str]] = {
     "document": (lambda one: one.update({f"k{n}": 1 for n in range(MANY)}), "fields are given; there are"),
     "bearings[0]": (lambda one: one["bearings"][0].update({f"k{n}": 1 for n in range(MANY)}), "fields are given; there are"),
     "bearings[0].speed_dependence.kxx[0]": (with_table, "valid number"),
+    "bearings[0].speed_dependence.coefficients": (with_names, "items; at most"),
 }
 
 

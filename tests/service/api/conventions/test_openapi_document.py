@@ -1,11 +1,14 @@
 """The document of the API: committed, complete, and its patterns in words."""
 
+import asyncio
 import gzip
 import json
 import re
+import time
 from collections.abc import Iterator
 from typing import Any
 
+import httpx
 import pytest
 
 from service.api.conventions.patterns import WORDS
@@ -31,6 +34,25 @@ def test_every_error_is_described_as_a_problem(api: Api) -> None:
                     assert list(response["content"]) == ["application/problem+json"], (method, path, code)
             if method == "post":
                 assert "Idempotency-Key" in {one["name"] for one in operation["parameters"]}
+
+
+def test_the_document_is_written_once_also_for_many_at_once(api: Api, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = []
+
+    def slowly() -> dict[str, str]:
+        written.append(1)
+        time.sleep(0.2)
+        return {"openapi": "3.1.0"}
+
+    monkeypatch.setattr(api.app, "openapi", slowly)
+
+    async def ask() -> list[int]:
+        transport = httpx.ASGITransport(api.app)
+        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
+            return [one.status_code for one in await asyncio.gather(*(client.get(DOCUMENT) for _ in range(20)))]
+
+    assert asyncio.run(ask()) == [200] * 20
+    assert written == [1]
 
 
 def test_the_document_is_written_once(api: Api, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -62,7 +62,7 @@ def test_more_values_than_an_answer_may_have_are_refused_with_how_many_may_be_as
     """Ten thousand samples of 120 channels with all that sources send were 132 MB, and twelve readers 2.7 GB of memory."""
     monkeypatch.setattr(corrections, "MOST_VALUES", 100)
     assert len(told.value("/machines/pump-7/samples", limit=12)["time"]) == 12
-    for said in ({}, {"include": "2x"}, {"include": "2x,scatter", "units": "mil"}):
+    for said in ({}, {"include": "2x"}, {"include": "2x,scatter", "units": "mil_pp"}):
         refused = problem(told.get("/machines/pump-7/samples", limit=13, **said), 422)
         most = int(re.search(r"ask for (\d+) samples", refused["detail"])[1])  # type: ignore[index]
         assert len(told.value("/machines/pump-7/samples", limit=most, **said)["time"]) == most
