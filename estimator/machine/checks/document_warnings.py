@@ -104,9 +104,9 @@ def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> 
     if not USUAL_SLENDERNESS[0] <= slender <= USUAL_SLENDERNESS[1]:
         words = f"{film.length:g} m is {slender:.2g} times the diameter, {film.diameter:g} m"
         yield "length", f"{words}: usual is 0.3 to 1.2 times"
-    thick = film.oil.viscosity
-    if thick is not None and not USUAL_VISCOSITY[0] <= thick <= USUAL_VISCOSITY[1]:
-        yield "oil.viscosity", f"{thick:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
+    viscosity = film.oil.viscosity
+    if viscosity is not None and not USUAL_VISCOSITY[0] <= viscosity <= USUAL_VISCOSITY[1]:
+        yield "oil.viscosity", f"{viscosity:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
     if not any(USUAL_JOURNAL[0] <= film.diameter / one <= USUAL_JOURNAL[1] for one in shaft):
         thick = " or ".join(f"{one:g}" for one in shaft)
         words = f"{film.diameter:g} m, but shaft '{bearing.shaft}' is {thick} m thick at station {bearing.station:g} m"
