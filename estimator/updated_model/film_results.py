@@ -22,8 +22,8 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
 
-WEIGHT_ERROR = 0.005
-"""Part of a bearing's load by which that may be off beside what a fit leaves open, rms [-]: masses are known to 1 % or so."""
+WEIGHT_ERROR = 0.002
+"""Part of a bearing's load by which that may be off beside what a fit leaves open, rms [-]: masses are known no better."""
 
 
 @dataclass(frozen=True)

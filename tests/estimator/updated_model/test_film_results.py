@@ -120,7 +120,7 @@ def test_a_load_is_known_no_better_than_the_masses_that_it_carries() -> None:
     model = uncertain(machine_of(), size=1e-9)
     found = by_name(model)
     vertical, horizontal = found["bearing.B2.load_vertical"], found["bearing.B2.load_horizontal"]
-    assert vertical.error == pytest.approx(0.005 * np.hypot(vertical.value, horizontal.value), rel=1e-3)
+    assert vertical.error == pytest.approx(0.002 * np.hypot(vertical.value, horizontal.value), rel=1e-3)
     assert horizontal.error == pytest.approx(vertical.error, rel=1e-3)
 
 
