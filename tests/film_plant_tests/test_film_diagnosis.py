@@ -132,6 +132,23 @@ def test_a_clearance_that_is_15_per_cent_larger_is_wear() -> None:
     assert one.size.per_cent == pytest.approx(15.0, abs=4.0)
 
 
+@pytest.mark.parametrize(
+    ("other", "kind", "element"),
+    [
+        (worn(1, 1.15), "wear", "bearing.B2"),
+        pytest.param(worn(2, 1.3), "wear", "bearing.B3", marks=pytest.mark.long),
+        pytest.param(thickened(2.5), "oil", "machine", marks=pytest.mark.long),
+    ],
+    ids=["worn", "far worn", "thicker oil"],
+)
+def test_an_offset_is_told_within_its_interval_beside_another_cause(other: Change, kind: str, element: str) -> None:
+    found = {(one.cause.kind, one.cause.element): one for one in diagnosed(lambda one: other(sunk(100e-6)(one))).causes}
+    assert set(found) == {("misalignment", "coupling.C1"), (kind, element)}
+    told = found["misalignment", "coupling.C1"].size.quantities
+    assert told["offset_vertical_um"] == pytest.approx(-100.0, abs=told["offset_vertical_half_width_um"])
+    assert told["offset_vertical_half_width_um"] < 20.0
+
+
 def running_out(*, offset: complex = 0j, angle: complex = 0j) -> Change:
     def change(one: Plant) -> Plant:
         return replace(one, train=replace(one.train, couplings=(replace(one.train.couplings[0], run_out=(offset, angle)),)))
