@@ -73,7 +73,8 @@ def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, .
     added = joined([run.measurement for run in runs]).added
     if added is None or not np.any(np.abs(added) > 0.0):
         raise CalibrationImpossible(
-            "no run has a trial weight: known unbalances are what gains are calibrated with; give them as `added_unbalance`"
+            "no run has a trial weight: known unbalances are what gains are calibrated with; give them as `weights` "
+            "of a request, `added_unbalance` of a sidecar"
         )
     largest = float(np.max(np.abs(added)))
     differs = np.max(np.abs(added - added[:1]), axis=0) > SAME_WEIGHT * largest
