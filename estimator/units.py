@@ -8,8 +8,8 @@ AmplitudeUnit = Literal["m", "mm", "um", "mil"]
 AmplitudeKind = Literal["peak", "peak-to-peak"]
 PhaseConvention = Literal["lead", "lag"]
 PhaseUnit = Literal["deg", "rad"]
-UnbalanceUnit = Literal["kg m", "kg mm", "g mm", "g in", "oz in"]
-MassUnit = Literal["kg", "g", "oz"]
+WeightUnit = Literal["kg m", "kg mm", "g mm", "g in", "oz in", "kg", "g", "oz"]
+"""An unbalance, or a mass that needs its radius."""
 RadiusUnit = Literal["m", "mm", "in"]
 
 RAD_PER_S: dict[SpeedUnit, float] = {"rpm": math.pi / 30.0, "rad/s": 1.0, "Hz": 2.0 * math.pi}

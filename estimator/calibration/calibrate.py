@@ -184,7 +184,7 @@ def _gathered(runs: Sequence[CalibrationRun], most: int) -> _Gathered:
     whole = joined([run.measurement for run in runs])
     names = np.array([name for run in runs for name in run.mounting])
     steady = np.concatenate([np.full(run.measurement.speed.size, run.steady) for run in runs])
-    kept = whole.usable.any(axis=1) & _picked(runs, most)
+    kept = whole.usable.any(axis=1) & (whole.speed > 0.0) & _picked(runs, most)
     whole, names, steady = whole.pick(kept), names[kept], steady[kept]
     _, mounting = np.unique(names, return_inverse=True)
     order = np.argsort(mounting, kind="stable")

@@ -64,12 +64,17 @@ def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, .
     if not runs:
         raise CalibrationImpossible("a calibration needs runs: one as the machine is, and one with a known unbalance at least")
     for run in runs:
+        if not np.any(run.measurement.speed > 0.0):
+            raise CalibrationImpossible(
+                f"{run.name}: its speed is zero throughout: did the keyphasor give pulses, and is its column the right one?"
+            )
         _check_weights(machine, run)
     _require_no_copies(runs)
     added = joined([run.measurement for run in runs]).added
     if added is None or not np.any(np.abs(added) > 0.0):
         raise CalibrationImpossible(
-            "no run has a trial weight: known unbalances are what gains are calibrated with; give them as `added_unbalance`"
+            "no run has a trial weight: known unbalances are what gains are calibrated with; give them as `weights` "
+            "of a request, `added_unbalance` of a sidecar"
         )
     largest = float(np.max(np.abs(added)))
     differs = np.max(np.abs(added - added[:1]), axis=0) > SAME_WEIGHT * largest

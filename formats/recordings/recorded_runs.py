@@ -78,6 +78,10 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     if outside and not taken.any():
         raise UnreadableFile(f"{file}: {outside}")
     run = samples.pick(taken)
+    if taken.any() and not np.any(run.speed > 0.0):
+        raise UnreadableFile(
+            f"{file}: its speed is zero throughout: did the keyphasor give pulses, and is its column the right one?"
+        )
     circumstances = read_circumstances(file, sidecar)
     recorded = run.recorded(machine.channels)
     if circumstances.kind == "dwells":

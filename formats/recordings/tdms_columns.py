@@ -3,6 +3,7 @@
 The sampling rate is one over `wf_increment`, the beginning `wf_start_time`. npTDMS is an optional dependency.
 """
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ def tdms_columns(path: Path) -> MeasuredColumns:
         from nptdms import TdmsFile
     except ImportError as error:
         raise BrokenFile("unreadable_file", "TDMS needs npTDMS: pip install 'rotorundown[tdms]'") from error
+    logging.getLogger("nptdms").setLevel(logging.ERROR)  # what it warns of is told as `cut`
     try:
         file = TdmsFile.read(path)
         channels = [channel for group in file.groups() for channel in group.channels() if channel.dtype.kind in "fiu"]

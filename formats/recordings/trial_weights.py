@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from estimator.field_types import Angle, NotNegative, Positive
 from estimator.machine.disc_scale import DiscScale
-from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, MassUnit, RadiusUnit, UnbalanceUnit
+from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, RadiusUnit, WeightUnit
 
 Cell = Callable[[str], float]
 """Function that returns the number in a column of one row."""
@@ -21,7 +21,7 @@ class TrialWeight(BaseModel):
 
     magnitude: NotNegative | None = Field(default=None, description="[kg m]; or amount with its unit")
     amount: NotNegative | str | None = Field(default=None, description="an unbalance or a mass, in `unit`; or a column")
-    unit: UnbalanceUnit | MassUnit | None = Field(default=None, description="of amount; a mass needs its radius")
+    unit: WeightUnit | None = Field(default=None, description="of amount; a mass needs its radius")
     radius: Positive | None = Field(default=None, description="at which a mass sits")
     radius_unit: RadiusUnit = "mm"
     angle_deg: Angle | str = Field(description="angle on the disc's scale [°]; or a column")

@@ -4,13 +4,13 @@ import math
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
 from estimator.machine.disc_scale import DiscScale
 from estimator.strict_model import StrictModel
-from estimator.units import KILOGRAM_METRES, KILOGRAMS, MassUnit, UnbalanceUnit
+from estimator.units import KILOGRAM_METRES, KILOGRAMS, WeightUnit
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneVerdict
 from service.api.conventions.fields import Comment
 from service.balancing.stored_runs import StoredWeight
@@ -32,7 +32,7 @@ class WeightIn(StrictModel):
     amount: Annotated[float, Field(ge=0.0, le=1e9, allow_inf_nan=False)] = Field(
         description="an unbalance or a mass, in `unit`; not zero"
     )
-    unit: UnbalanceUnit | MassUnit
+    unit: WeightUnit
     radius_mm: Size | None = Field(default=None, description="at which a mass sits [mm]")
     angle_deg: DiscAngle
 
@@ -56,7 +56,15 @@ class WeightIn(StrictModel):
         return self.amount * KILOGRAMS[self.unit] * 1e-3 * self.radius_mm / GRAM_MILLIMETRE
 
 
-Weights = Annotated[list[WeightIn], Field(max_length=100)]
+def _listed(value: object) -> object:
+    """Return what stands for a list of weights. Raises ValueError for what is none."""
+    if not isinstance(value, list):
+        example = '[{"disc": "D1", "amount": 48, "unit": "g mm", "angle_deg": 90}]'
+        raise ValueError(f"weights are a list such as {example}; `[]` where there was none")
+    return value
+
+
+Weights = Annotated[list[WeightIn], BeforeValidator(_listed), Field(max_length=100)]
 
 
 class BalancingIn(StrictModel):
@@ -75,7 +83,7 @@ class TrialIn(StrictModel):
     """A run with trial weights: all that was on, also what an earlier trial left."""
 
     run: RunNumber
-    weights: Annotated[list[WeightIn], Field(min_length=1, max_length=100)]
+    weights: Annotated[list[WeightIn], BeforeValidator(_listed), Field(min_length=1, max_length=100)]
     by: Author
 
 

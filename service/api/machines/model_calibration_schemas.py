@@ -9,7 +9,7 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.strict_model import StrictModel
 from service.api.conventions.fields import Comment, DisplayName
-from service.api.machines.balancing_schemas import RunNumber, WeightIn
+from service.api.machines.balancing_schemas import RunNumber, Weights
 from service.security.principal import Author
 
 
@@ -17,7 +17,7 @@ class CalibrationRunIn(StrictModel):
     """A stored run with all weights that were on."""
 
     run: RunNumber
-    weights: Annotated[list[WeightIn], Field(max_length=100)] = Field(
+    weights: Weights = Field(
         description="all that was on, also what an earlier trial left; an empty list says that there was none"
     )
     mounting: DisplayName | None = Field(

@@ -147,6 +147,8 @@ def test_impossible_runs_are_refused_with_what_would_be_right(plant: SimulatedKi
     assert "48 kg m on disc D1 (0.8 kg) would move its centre of mass by 60 m: 48 g mm is likely" in heavy
     none = [weighted(one, np.zeros(2)) for one in runs]
     assert "no run has a trial weight" in refused(plant, none)
+    still = replace(runs[1].measurement, speed=np.zeros(runs[1].measurement.speed.size))
+    assert "run-1: its speed is zero throughout" in refused(plant, [runs[0], replace(runs[1], measurement=still)])
     same = [weighted(one, np.array([1e-5, 0.0])) for one in runs]
     assert "all runs have the same trial weights" in refused(plant, same)
 

@@ -144,6 +144,17 @@ def test_gains_that_no_chain_has_ask_for_the_unit_of_the_weights(tmp_path: Path)
     assert "g mm given as g in" in text
 
 
+@pytest.mark.parametrize("command", ["calibrate", "identify"])
+def test_a_keyphasor_without_pulses_is_named(tmp_path: Path, command: str) -> None:
+    file = recording(tmp_path, "still", held=False)
+    header, *rows = [line.split(",") for line in Path(file).read_text().splitlines()]
+    place = header.index("rpm")
+    Path(file).write_text(
+        "\n".join(",".join([*row[:place], "0", *row[place + 1 :]]) for row in rows).join([",".join(header) + "\n", "\n"])
+    )
+    assert "its speed is zero throughout: did the keyphasor give pulses" in run(command, DOCUMENT, file, status=1)
+
+
 def test_units_that_are_mixed_among_the_trials_are_named(tmp_path: Path) -> None:
     """The weights on disc 1 in g mm, those on disc 2 in g in although g mm are meant."""
     weights = {

@@ -204,6 +204,14 @@ def test_what_is_asked_for_wrongly_is_said_before_it_costs_a_fit(database: Datab
     assert "there is no disc D7; the discs are D1, D2" in told(first, second | {"weights": [weight | {"disc": "D7"}]})
     assert "a calibration needs runs" in str(api("POST", path, 422, json={"by": "Ada"}))
     assert "runs[1].weights" in str(api("POST", path, 422, json={"runs": [first, {"run": 2}], "by": "Ada"})["errors"])
+    for said in ("none", weight):
+        answer = api("POST", path, 422, json={"runs": [first, second | {"weights": said}], "by": "Ada"})
+        assert "weights are a list such as" in answer["errors"][0]["message"]
+    [fault] = api("POST", path, 422, json={"runs": [first, second | {"weights": [weight | {"unit": "gmm"}]}], "by": "Ada"})[
+        "errors"
+    ]
+    assert fault["field"] == "runs[1].weights[0].unit"
+    assert "'g mm'" in fault["message"]
     assert "no run 99" in api("POST", path, 404, json={"runs": [{"run": 99, "weights": []}], "by": "Ada"})["detail"]
     with database.transaction() as session:
         open_run = runs.open_run(
