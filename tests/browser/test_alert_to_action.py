@@ -84,7 +84,7 @@ def test_bode_opens_at_the_probes_beside_what_an_alert_is_about(seen: Seen) -> N
 
 
 def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Service) -> None:
-    """The next run shows the alert as well, and another alert is raised: plots stay, zoomed as they are, of the same probes."""
+    """The next run shows the alert as well: plots stay, zoomed as they are, until those of that run are there."""
     (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
     found = service.get(f"/identifications/{alert['identification']}")
     earlier = next(run["id"] for run in service.get(f"/machines/{MACHINE}/runs") if run["id"] not in found["runs"])
@@ -92,7 +92,9 @@ def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Se
     seen.open(f"alerts/{alert['id']}")
     zoomed = seen.page.locator(".uplot[data-zoomed='1']")
     bode = seen.page.get_by_role("group", name=re.compile("^Amplitude of"))
-    until(lambda: bode.count() == 1 and bode.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="the Bode plot is drawn")
+    until(
+        lambda: bode.count() == 1 and bode.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="the Bode plot is drawn"
+    )
     bode.get_by_role("button", name="Zoom in").click()
     expect(zoomed).to_have_count(3)
     seen.page.evaluate("window.scrollTo(0, 900)")
