@@ -101,13 +101,18 @@ def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Se
     next_one = found | {"id": 9001, "runs": [earlier]}
     seen.page.route(re.compile("/identifications/9001$"), lambda route: held.append(route))
     seen.page.route(re.compile(rf"/alerts/{alert['id']}$"), lambda route: route.fulfill(json=alert | {"identification": 9001}))
-    until(lambda: seen.page.wait_for_timeout(50) or len(held) > 0, within_s=15, what="the next identification is asked for")
+    until(lambda: _is_asked(seen, held), within_s=15, what="the next identification is asked for")
     expect(zoomed).to_have_count(3)
     held.pop().fulfill(json=next_one)
     expect(seen.page.get_by_text(f"Below: run {earlier}, ")).to_be_visible()
     expect(zoomed).to_have_count(3)
     assert seen.page.evaluate("window.scrollY") == 900
     assert seen.errors == []
+
+
+def _is_asked(seen: Seen, held: list[Route]) -> bool:
+    seen.page.wait_for_timeout(50)
+    return len(held) > 0
 
 
 def test_a_later_alert_does_not_change_which_probes_are_looked_at(seen: Seen, service: Service) -> None:
