@@ -75,7 +75,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "finding_of": "{finding} an {element}",
     "no_text": "{what}: der Text dazu kann nicht gebildet werden",
     "the_machine": "die Maschine",
-    "sure.drift": "Die Reihenfolge der letzten {runs} Läufe ist kein Zufall: dessen Wahrscheinlichkeit liegt unter 1 zu 10 000",
+    "sure.drift": "Die Reihenfolge der letzten {runs} Läufe ist kein Zufall: Dessen Wahrscheinlichkeit liegt unter "
+    "1 zu 10 000",
     "sure.sigma": "{sigma:.0f} σ für alles zusammen",
     "sure.beyond_chance": "Sicher, kein Zufall",
     "sure.runs": " über die neuesten {runs} Läufe gemeinsam",
@@ -83,8 +84,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "sure.lead": "; {factor} Mal so wahrscheinlich wie die nächste Erklärung: {next}",
     "second_order.grown": "das 2× an Aufnehmer {probe} ist von {before} auf {now} µm gewachsen, wie neben einer schlecht "
     "ausgerichteten Kupplung, und an keinem Aufnehmer sonst (gängige Praxis)",
-    "second_order.decided": "; nach dem 1× allein wäre die nächste Erklärung ({next}) etwa ebenso gut: den Ausschlag gibt das 2×: "
-    "{grown}",
+    "second_order.decided": "; nach dem 1× allein wäre die nächste Erklärung ({next}) etwa ebenso gut: den Ausschlag "
+    "gibt das 2×: {grown}",
     "second_order.speaks": "; {grown}; das spricht für diesen Befund und gegen die nächste Erklärung",
     "sure.million": "mehr als eine Million",
     # --- advice: how urgent

@@ -306,8 +306,8 @@ GERMAN_STORED: Mapping[str, str] = {
     "the document gives no stiffness of bearing {names}": "das Dokument gibt keine Steifigkeit von Lager {names} an",
     "the document's machine has no critical speed": "die Maschine des Dokuments hat keine kritische Drehzahl",
     "the orbits at all {count} pairs of probes turn backward: the sense of rotation is wrong, or every pair is swapped": (
-        "die Wellenbahnen an allen {count} Aufnehmerpaaren laufen gegenläufig um: die Drehrichtung ist falsch, oder jedes Paar ist "
-        "vertauscht"
+        "die Wellenbahnen an allen {count} Aufnehmerpaaren laufen gegenläufig um: die Drehrichtung ist falsch, oder jedes "
+        "Paar ist vertauscht"
     ),
     "the orbit at {channels} turns backward, not forward: {meaning}": (
         "die Wellenbahn an {channels} läuft gegenläufig um, nicht gleichläufig: {meaning}"

@@ -87,7 +87,7 @@ class MachineGlance:
 
 
 TABLES = ("machines", "machine_revisions", "runs", "identifications", "alerts", "alert_events", "timeline")
-"""Tables from which the overview is read; of quarantine and jobs beside them, an overview kept from before may be a minute old."""
+"""Tables from which the overview is read; of quarantine and jobs beside them, one kept from before may be a minute old."""
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 

@@ -84,7 +84,7 @@ def test_bode_opens_at_the_probes_beside_what_an_alert_is_about(seen: Seen) -> N
 
 
 def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Service) -> None:
-    """The next run shows the alert as well, and another alert is raised: plots stay, zoomed as they are, of the same probes."""
+    """The next run shows the alert as well: plots stay, zoomed as they are, until those of that run are there."""
     (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
     found = service.get(f"/identifications/{alert['identification']}")
     earlier = next(run["id"] for run in service.get(f"/machines/{MACHINE}/runs") if run["id"] not in found["runs"])
@@ -92,20 +92,27 @@ def test_what_is_judged_stays_while_alerts_and_runs_come(seen: Seen, service: Se
     seen.open(f"alerts/{alert['id']}")
     zoomed = seen.page.locator(".uplot[data-zoomed='1']")
     bode = seen.page.get_by_role("group", name=re.compile("^Amplitude of"))
-    until(lambda: bode.count() == 1 and bode.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="the Bode plot is drawn")
+    until(
+        lambda: bode.count() == 1 and bode.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="the Bode plot is drawn"
+    )
     bode.get_by_role("button", name="Zoom in").click()
     expect(zoomed).to_have_count(3)
     seen.page.evaluate("window.scrollTo(0, 900)")
     next_one = found | {"id": 9001, "runs": [earlier]}
     seen.page.route(re.compile("/identifications/9001$"), lambda route: held.append(route))
     seen.page.route(re.compile(rf"/alerts/{alert['id']}$"), lambda route: route.fulfill(json=alert | {"identification": 9001}))
-    until(lambda: seen.page.wait_for_timeout(50) or len(held) > 0, within_s=15, what="the next identification is asked for")
+    until(lambda: _is_asked(seen, held), within_s=15, what="the next identification is asked for")
     expect(zoomed).to_have_count(3)
     held.pop().fulfill(json=next_one)
     expect(seen.page.get_by_text(f"Below: run {earlier}, ")).to_be_visible()
     expect(zoomed).to_have_count(3)
     assert seen.page.evaluate("window.scrollY") == 900
     assert seen.errors == []
+
+
+def _is_asked(seen: Seen, held: list[Route]) -> bool:
+    seen.page.wait_for_timeout(50)
+    return len(held) > 0
 
 
 def test_a_later_alert_does_not_change_which_probes_are_looked_at(seen: Seen, service: Service) -> None:

@@ -105,7 +105,7 @@ def test_findings_and_numbers_are_german(german: Seen) -> None:
     show(german.page, german.base, "alert")
     expect(german.page.get_by_role("heading", level=1)).to_have_text("Ausrichtfehler an Kupplung C1")
     expect(german.page.locator(".alert-row").first).to_contain_text("Kupplung C1 verliert ihre Ausrichtung")
-    expect(german.page.locator(".advice")).to_contain_text("Zu tun: beim nächsten Stillstand")
+    expect(german.page.locator(".advice")).to_contain_text("Zu tun beim nächsten Stillstand")
     show(german.page, german.base, "overview")
     expect(german.page.locator("main")).to_contain_text(re.compile(r"\d,\d"))
 

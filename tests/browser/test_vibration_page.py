@@ -50,7 +50,10 @@ def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Servic
 
 def test_bars_are_saved_as_a_picture_and_as_data(seen: Seen, tmp_path: Path) -> None:
     seen.open(f"machines/{COPY}/vibration")
-    for kind, name in (("svg", "Save as SVG: Vibration at the probes"), ("csv", "Save the data as CSV: Vibration at the probes")):
+    for kind, name in (
+        ("svg", "Save as SVG: Vibration at the probes"),
+        ("csv", "Save the data as CSV: Vibration at the probes"),
+    ):
         with seen.page.expect_download() as download:
             seen.page.get_by_role("button", name=name).click()
         download.value.save_as(tmp_path / f"bars.{kind}")

@@ -73,7 +73,7 @@ function Line({ line, scale }: { line: JournalLine; scale: number }) {
   const places = placesOf(line);
   const drawn = places.map((one) => `${(one.x * scale).toFixed(1)} ${(-one.y * scale).toFixed(1)}`);
   if (drawn.length === 0) return null;
-  const labelled = line.measured ? [] : LABELS.map((part) => places[Math.round(part * (places.length - 1))]!);
+  const labelled = line.measured || line.style > 0 ? [] : LABELS.map((part) => places[Math.round(part * (places.length - 1))]!);
   return (
     <g class={`curve s${line.style % COLOURS}`}>
       {line.measured ? <path class="dots" d={drawn.map((one) => `M${one}h0`).join("")} /> : <path d={`M${drawn.join("L")}`} />}

@@ -114,7 +114,8 @@ async def read_fleet(
 ) -> Response:
     """List every machine with its state, last run, open alerts, and the events since a time.
 
-    Speeds, states and progress may be half a second behind what is stored, `refused` and `failed_job` a minute; everything else is current.
+    Speeds, states and progress may be half a second behind what is stored, `refused` and
+    `failed_job` a minute; everything else is current.
     """
     asked_at = now()
     begin = (asked_at - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)

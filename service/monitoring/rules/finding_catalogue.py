@@ -47,7 +47,7 @@ def finding_name(kind: str, language: Language) -> str:
 
 
 def finding_at(kind: str, element: str, language: Language) -> str:
-    """Return a finding with its element as both stand within a sentence: `misalignment of coupling C1`, `bearing B1 itself`."""
+    """Return a finding with its element as both stand within a sentence, such as `misalignment of coupling C1`."""
     said, finding = describe(element), finding_name(kind, language)
     if not said.element_id:  # of the machine as a whole
         return finding

@@ -135,9 +135,7 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
             "de": FindingTexts(
                 what="Die Prozesskraft {id} hat sich geändert: {size}, {compared}, seit {since}",
                 check=("Leistung, Ventile und Drücke seit {since}: woher die Prozesskraft {id} kommt",),
-                in_operation=(
-                    "Einen Auslauf bei üblicher Leistung aufnehmen: er zeigt, ob die Prozesskraft {id} ihr folgt",
-                ),
+                in_operation=("Einen Auslauf bei üblicher Leistung aufnehmen: er zeigt, ob die Prozesskraft {id} ihr folgt",),
                 at_next_stop=(
                     "Ventile, Düsen, Zähne oder Rohre ansehen, von denen die Prozesskraft {id} kommt",
                     NEW_BASELINE_DE,

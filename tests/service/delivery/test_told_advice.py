@@ -49,5 +49,5 @@ def test_a_mail_is_in_the_language_that_is_set() -> None:
     assert mail["Subject"] == "[Warnung] pump-7 test: Kupplung, normal"
     assert "Maschine   plant-1/pump-7\n" in mail.get_content()
     assert "Kommentar  Anna kommt\n" in mail.get_content()
-    assert "Zu tun: im Betrieb:\n" in mail.get_content()
+    assert "Zu tun im Betrieb:\n" in mail.get_content()
     assert trial_message(GERMAN).event.message.startswith("Dies ist ein Test")
