@@ -42,8 +42,8 @@ def identification_text(result: Identification) -> str:
     lines = [
         result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
-        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start{'' if result.starts == 1 else 's'}, {result.iterations} iterations; "
-        f"condition number {result.condition_number:.2g}",
+        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start{'' if result.starts == 1 else 's'}, "
+        f"{result.iterations} iterations; condition number {result.condition_number:.2g}",
         "",
     ]
     width = max(len(estimate.name) for estimate in result.estimates)
