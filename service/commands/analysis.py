@@ -18,6 +18,7 @@ from service.commands.terminal import print_line, print_text, working
 
 if TYPE_CHECKING:
     from estimator.fit.identification import Identification
+    from estimator.identification.experiment_design import Benefit
     from estimator.identification.quality_gate import GatedIdentification
     from estimator.machine.document import Machine
     from estimator.phasors.measurement import Measurement
@@ -53,7 +54,7 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
-    from service.commands.results.identification_report import advice_text, quality_text
+    from service.commands.results.identification_report import advice_text, find_helpful, quality_text
 
     if method == "regression" and advice:
         fail("--advice goes with the likelihood: the regression has no information to read it from")
@@ -71,16 +72,17 @@ def identify_offline(
     if found.identification is None:
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
-    if as_json:
-        _print_json(described, result, files, sidecar, found.qualities)
-    else:
-        _print(described, result, files[0], sidecar)
-        if text:
-            print_text(f"\n{text}")
+    helpful = None
     if advice:
         with working("looking for what would help"):
-            helpful = advice_text(described, result, measurement)
-        print_text(helpful, err=as_json)
+            helpful = find_helpful(described, result, measurement)
+    if as_json:
+        _print_json(described, result, files, sidecar, found.qualities, helpful)
+    else:
+        _print(described, result, files[0], sidecar)
+        for told in (text and f"\n{text}", "" if helpful is None else advice_text(helpful)):
+            if told:
+                print_text(told)
     if not result.accepted:
         raise typer.Exit(1)
 
@@ -121,13 +123,18 @@ def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Pa
 
 
 def _print_json(
-    machine: "Machine", result: "Identification", files: list[Path], sidecar: Path | None, qualities: "Sequence[Quality]"
+    machine: "Machine",
+    result: "Identification",
+    files: list[Path],
+    sidecar: Path | None,
+    qualities: "Sequence[Quality]",
+    helpful: "list[Benefit] | None",
 ) -> None:
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
     from service.commands.mountings import told_scale
-    from service.commands.results.result_content import identification_content, quality_content, since_content
+    from service.commands.results.result_content import advice_content, identification_content, quality_content, since_content
 
     since = unbalance_since(machine, result)
     alignment = alignment_quantities(updated_model(machine, result)) if result.accepted else ()
@@ -136,7 +143,8 @@ def _print_json(
         scale, direction = told_scale(machine, files[0], sidecar)
         gained = {"unbalance_since_calibration": since_content(since, scale, direction=direction)}
     rest = {"alignment": alignment, "runs": quality_content([file.name for file in files], qualities)}
-    print_json(identification_content(machine, result) | gained | rest)
+    advice = {} if helpful is None else {"advice": advice_content(helpful)}
+    print_json(identification_content(machine, result) | gained | rest | advice)
 
 
 def model(

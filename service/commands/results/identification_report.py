@@ -9,7 +9,7 @@ import numpy as np
 from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import CONFIDENCE_95, Estimate
 from estimator.fit.identification import Identification
-from estimator.identification.experiment_design import helpful_probes, helpful_speeds
+from estimator.identification.experiment_design import Benefit, helpful_probes, helpful_speeds
 from estimator.identification.model_comparison import ModelComparison
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
@@ -42,24 +42,27 @@ def identification_text(result: Identification) -> str:
     lines = [
         result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
-        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start(s), {result.iterations} iterations; "
-        f"condition number {result.condition_number:.2g}",
+        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start{'' if result.starts == 1 else 's'}, "
+        f"{result.iterations} iterations; condition number {result.condition_number:.2g}",
         "",
     ]
     width = max(len(estimate.name) for estimate in result.estimates)
     return "\n".join(lines + [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in result.estimates])
 
 
-def advice_text(machine: Machine, result: Identification, measurement: Measurement) -> str:
-    """Return the additional speeds and probes that would help most, with their effect."""
+def find_helpful(machine: Machine, result: Identification, measurement: Measurement) -> list[Benefit]:
+    """Return the additional speeds and probes that would help most."""
     limits = machine.speed_range
     lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
     speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
     probes = helpful_probes(machine, result, measurement)
+    return [*speeds, *probes]
+
+
+def advice_text(helpful: Sequence[Benefit]) -> str:
+    """Return what would help most, with its effect, a line each."""
     lines = ["", "What would help most, and by how much the standard errors would shrink together:"]
-    lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
-    lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in probes]
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in helpful)])
 
 
 def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int) -> str:

@@ -9,6 +9,7 @@ from msgspec import structs
 from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
+from estimator.identification.experiment_design import Benefit, HelpfulProbe, HelpfulSpeed
 from estimator.identification.model_comparison import ModelComparison
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
@@ -50,6 +51,16 @@ def quality_content(names: Sequence[str], qualities: Sequence[Quality]) -> list[
     return [
         {"run": name, "findings": quality.findings, "left_out": quality.words or None}
         for name, quality in zip(names, qualities, strict=True)
+    ]
+
+
+def advice_content(helpful: Sequence[Benefit]) -> list[dict[str, Any]]:
+    """Return what would help most: the factor on all standard errors together [-], and the speed or the probe."""
+    return [
+        {"what": one.what, "shrinkage": one.shrinkage}
+        | ({"speed_rpm": rad_per_s_to_rpm(one.speed)} if isinstance(one, HelpfulSpeed) else {})
+        | ({"probe": one.probe} if isinstance(one, HelpfulProbe) else {})
+        for one in helpful
     ]
 
 

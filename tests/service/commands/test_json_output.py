@@ -55,7 +55,12 @@ def test_every_command_that_prints_results_has_it() -> None:
 
 
 def test_an_identification(recordings: tuple[str, str]) -> None:
-    found = printed("identify", PUMP, recordings[0])
+    found = printed("identify", PUMP, recordings[0], "--advice")
+    speeds = [one["speed_rpm"] for one in found["advice"] if "speed_rpm" in one]
+    probes = [one["probe"]["shaft"] for one in found["advice"] if "probe" in one]
+    assert (len(speeds), set(probes) <= {"motor", "pump"}, bool(probes)) == (3, True, True)
+    assert all(300.0 <= one <= 3600.0 for one in speeds)
+    assert all(0.0 < one["shrinkage"] < 1.0 for one in found["advice"])
     assert (found["machine"], found["accepted"]) == ("motor-pump", True)
     estimates = {one["name"]: one for one in found["estimates"]}
     kxx = estimates["coupling.C1.kxx"]
