@@ -79,7 +79,7 @@ def identifying(database: Database, executor: Executor | None = None, **changes:
 
 
 def unfinished(database: Database) -> list[tuple[object, ...]]:
-    """What is known of the jobs that are not done."""
+    """Jobs that are not done, and what is known of them."""
     with database.reading() as session:
         rows = [row for row in session.scalars(select(JobRow)) if row.state != jobs.DONE]
         return [(row.id, row.state, row.attempts, row.holder, row.error) for row in rows]

@@ -1,4 +1,7 @@
-"""Change of a train's alignment between a baseline and a later run: what the runs have in common cancels (`run_change`)."""
+"""Change of a train's alignment between a baseline and a later run: what the runs have in common cancels.
+
+It is that of the coordinates (`run_change`: Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876).
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

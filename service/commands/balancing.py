@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 GRAM = 1e-3
 MILLIMETRE = 1e-3
 InitialRun = Annotated[Path, typer.Argument(help="recorded run before any trial weight", callback=named_file)]
-TrialRuns = Annotated[
+TrialFiles = Annotated[
     list[Path], typer.Argument(help="recorded runs with the trial weights that their sidecars state", callback=named_files)
 ]
 
@@ -36,7 +36,7 @@ TrialRuns = Annotated[
 def balance_machine(
     machine: MachineFile,
     initial: InitialRun,
-    trials: TrialRuns,
+    trials: TrialFiles,
     check: Annotated[Path | None, typer.Option(help="run after the correction; its sidecar says which weights are on")] = None,
     plane: Annotated[list[str] | None, typer.Option(help="disc to correct in; by default all that had a trial weight")] = None,
     criterion: Annotated[
@@ -85,9 +85,7 @@ def balance_machine(
         model = _model(machine, [initial, *trials]) if use_model else None
         with threadpoolctl.threadpool_limits(1), working("balancing"):
             found = balance_from_trials(described, unloaded, loaded, options=options, model=model)
-            checked = None
-            if check is not None:
-                checked = check_balancing(found, _check_run(described, check))
+            checked = None if check is None else check_balancing(found, _check_run(described, check))
         _print(found, checked, scale, as_json=as_json)
         if page is not None:
             page.write_text(printed_page(found, checked, language, scale), encoding="utf-8")

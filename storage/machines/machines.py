@@ -117,7 +117,7 @@ def count_within(session: Session, machine_id: str, *, limit: int, after: Keys |
     length = func.length(cast(RevisionRow.document, Text))
     query = select(length).where(RevisionRow.machine_id == machine_id)
     lengths = session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
-    return max(1, sum(whole <= size for whole in accumulate(lengths)))
+    return max(1, sum(1 for whole in accumulate(lengths) if whole <= size))
 
 
 def document(session: Session, machine_id: str, number: int | None = None) -> Machine:
