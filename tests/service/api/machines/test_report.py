@@ -99,7 +99,7 @@ def test_figures_of_a_newer_run_make_the_report_anew(plant: Database) -> None:
 
 @pytest.mark.usefixtures("stiffer")
 def test_they_do_so_where_the_clock_was_ahead_once(plant: Database) -> None:
-    """What was changed then has the newest time for long."""
+    """The newest time is for long that of the change that was made then."""
     with plant.transaction() as session:
         (row,) = session.scalars(select(AlertRow)).all()
         later = alerts.add(
