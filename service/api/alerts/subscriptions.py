@@ -50,7 +50,7 @@ async def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.S
     if channel_kind(said.kind).url_target:  # before a thread is taken, as a name may take seconds
         await require_permitted(said.target, request.app.state.delivery_networks)
     places: RequestPlaces = request.app.state.changing_places
-    async with places.place(principal(request).identity):
+    async with places.place(principal(request).identity, has_gone=request.is_disconnected):
         return await run_in_threadpool(_subscribed, request, said)
 
 
