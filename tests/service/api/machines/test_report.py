@@ -60,7 +60,7 @@ def test_the_first_page_tells_the_finding_and_what_to_do(stiffer: Api) -> None:
 def test_a_report_is_in_the_language_that_is_asked_for(stiffer: Api) -> None:
     for answer in (stiffer.get(PATH, **YEAR, locale="de"), stiffer.get(PATH, **YEAR)):
         german = answer.headers["content-language"] == "de"
-        assert ("Zu tun im Betrieb" in pages(answer.content)[0]) == german
+        assert ("Zu tun: im Betrieb" in pages(answer.content)[0]) == german
         assert ("To do in operation" in pages(answer.content)[0]) != german
     assert [one["field"] for one in stiffer.get(PATH, **YEAR, locale="fr").json()["errors"]] == ["query.locale"]
 
@@ -99,7 +99,7 @@ def test_figures_of_a_newer_run_make_the_report_anew(plant: Database) -> None:
 
 @pytest.mark.usefixtures("stiffer")
 def test_they_do_so_where_the_clock_was_ahead_once(plant: Database) -> None:
-    """That which was changed then has the newest time for long."""
+    """The newest time is for long that of the change that was made then."""
     with plant.transaction() as session:
         (row,) = session.scalars(select(AlertRow)).all()
         later = alerts.add(
