@@ -53,6 +53,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: turn(item.path))
 
 
+@functools.cache
 def turn(path: Path) -> int:
     """Return the place in `FIRST` of a file of tests or of a folder that it lies in, at any depth; its length for all else."""
     inside = (path, *path.parents)

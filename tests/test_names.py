@@ -73,7 +73,7 @@ def name() -> None:
 
 def dialect(source: str) -> list[str]:
     """Return the functions of a file whose names hold a word of no trade."""
-    functions = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef))
+    functions = (node for node in statements(parsed(source)) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef))
     return [node.name for node in functions if DIALECT & set(node.name.strip("_").split("_"))]
 
 

@@ -65,12 +65,19 @@ class Copy:
         assert done.returncode == 0, done.stdout + done.stderr
 
     def check(self, tests: tuple[str, ...]) -> None:
-        """Run files of tests on the copy, with the page's declarations written anew as `make dashboard` does."""
-        self.run("-m", "service.commands.page_declarations", f"{PAGE}/declarations")
+        """Run files of tests on the copy."""
         for file in tests:
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(ROOT / file, self.folder / file)
         self.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *tests)
+
+
+DECLARATIONS = f"""
+import pathlib
+from service.commands.page_declarations import write
+write(pathlib.Path("{PAGE}/declarations"))
+"""
+"""Writes the page's declarations anew, as `make dashboard` does, in the process that has loaded the service."""
 
 
 @pytest.fixture
@@ -402,7 +409,7 @@ def test_one_more_takes_few_files_and_works(copy: Copy, what: str, add: Callable
     script = add(copy)
     assert len(copy.touched) <= BOUNDS[what], copy.touched
     place = f"import estimator, service, storage\nassert estimator.__file__.startswith({str(copy.folder)!r})\n"
-    copy.run("-c", place + script)
+    copy.run("-c", place + script + DECLARATIONS)
     if what in CHECKS:
         copy.check(CHECKS[what])
 

@@ -6,11 +6,17 @@ Mech. 33 (1966) 335.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from tests.film_plant.arrays import Floats
 from tests.film_plant.train import Material
+
+GAUSS = np.polynomial.legendre.leggauss(5)
+"""Points and weights of the integration."""
+ELEMENTS = 1000
+"""Number of elements that are kept: a train is assembled anew for each guess of its films."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +28,9 @@ class Element:
     rotation: Floats
 
 
+@lru_cache(maxsize=ELEMENTS)
 def element(length: float, diameter: float, material: Material) -> Element:
-    """Compute the matrices of a solid element of a length and a diameter [m]."""
+    """Compute the matrices of a solid element of a length and a diameter [m]; nobody may change them."""
     area = np.pi / 4 * diameter**2
     bending = material.young * np.pi / 64 * diameter**4
     shear_modulus = material.young / (2 * (1 + material.poisson))
@@ -36,7 +43,7 @@ def element(length: float, diameter: float, material: Material) -> Element:
 
     ends = np.stack([*powers(0.0), *powers(length)])
     of_ends = np.linalg.inv(ends)
-    points, weights = np.polynomial.legendre.leggauss(5)
+    points, weights = GAUSS
     stiffness, translation, rotation = np.zeros((3, 4, 4))
     shear_strain = np.array([0.0, 0.0, 0.0, -6 * lag]) @ of_ends
     for z, weight in zip((points + 1) / 2 * length, weights * length / 2, strict=True):

@@ -47,7 +47,8 @@ def gated(one: Plant, seed: int, beginning: Identification | None) -> Identifica
     status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
     run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, machine().channels)
     begin = None if beginning is None else beginning.point
-    found = identify_gated(machine(), [run], [measurement], options=Options(starts=2), beginning=begin).identification
+    options = Options(starts=2 if beginning is None else 1)
+    found = identify_gated(machine(), [run], [measurement], options=options, beginning=begin).identification
     assert found is not None
     return found
 

@@ -31,17 +31,29 @@ def plant_of(profile: str, seed: int, spread: float, slenderness: Sequence[float
     return random_plant(seed, design=design, discrepancy=DiscrepancySize(spread=spread, correlation=OFTEN))
 
 
+@pytest.fixture(scope="module")
+def plain() -> Plant:
+    """A plant whose films are off by a per cent here and there."""
+    return plant_of("plain", 101, 0.01)
+
+
+@pytest.fixture(scope="module")
+def widened(plain: Plant) -> Identification:
+    """Return what is identified of it."""
+    return identified(plain, 101)
+
+
 def identified(plant: Plant, seed: int) -> Identification:
     return identify(parse_machine(film_document(plant)), measured(plant, seed=seed), Options(starts=3))
 
 
-def test_intervals_of_films_that_are_off_by_a_per_cent_here_and_there_widen_until_they_hold() -> None:
-    plant = plant_of("plain", 101, 0.01)
-    found = identified(plant, 101)
-    assert found.accepted, found.verdict
-    assert WORDS in found.verdict
-    assert found.verdict.startswith("accepted: ")
-    assert score(found, film_truths(plant)).coverage >= 0.9
+def test_intervals_of_films_that_are_off_by_a_per_cent_here_and_there_widen_until_they_hold(
+    plain: Plant, widened: Identification
+) -> None:
+    assert widened.accepted, widened.verdict
+    assert WORDS in widened.verdict
+    assert widened.verdict.startswith("accepted: ")
+    assert score(widened, film_truths(plain)).coverage >= 0.9
 
 
 @pytest.mark.long
@@ -59,49 +71,48 @@ def test_films_of_any_bore_that_are_off_here_and_there_are_refused_or_have_inter
     assert not inside or np.mean(inside) >= 0.85
 
 
-def test_they_are_wider_than_without_that_judgement(monkeypatch: pytest.MonkeyPatch) -> None:
-    plant = plant_of("plain", 101, 0.01)
-    found = identified(plant, 101)
+def test_they_are_wider_than_without_that_judgement(
+    plain: Plant, widened: Identification, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
-    before = identified(plant, 101)
+    before = identified(plain, 101)
     assert WORDS not in before.verdict
-    ratio = np.sqrt(np.diag(found.covariance) / np.diag(before.covariance))
-    unbalances = ["unbalance" in name for name in found.coordinates]
+    ratio = np.sqrt(np.diag(widened.covariance) / np.diag(before.covariance))
+    unbalances = ["unbalance" in name for name in widened.coordinates]
     assert ratio.min() > 1.0 - 1e-9
     assert np.median(ratio[unbalances]) > 1.1
 
 
-def test_films_that_are_off_by_more_than_the_document_says_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_films_that_are_off_by_more_than_the_document_says_are_refused(plain: Plant, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a document that allows half a per cent, where one per cent is true; χ² would accept it."""
-    plant = plant_of("plain", 101, 0.01)
-    machine = parse_machine(film_document(plant, discrepancy=0.005))
+    machine = parse_machine(film_document(plain, discrepancy=0.005))
     monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
     monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
-    found = identify(machine, measured(plant, seed=101), Options(starts=3))
+    found = identify(machine, measured(plain, seed=101), Options(starts=3))
     assert not found.accepted
     assert "more than the document says (discrepancy)" in found.verdict
     monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
-    before = identify(machine, measured(plant, seed=101), Options(starts=3))
+    before = identify(machine, measured(plain, seed=101), Options(starts=3))
     ratio = np.sqrt(np.diag(found.covariance) / np.diag(before.covariance))
     assert ratio.min() > 1.0 - 1e-9
     assert np.median(ratio[["unbalance" in name for name in found.coordinates]]) > 1.1  # a diagnosis still counts it
 
 
-def test_films_that_the_data_hardly_tell_from_what_the_document_says_are_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_films_that_the_data_hardly_tell_from_what_the_document_says_are_not_refused(
+    plain: Plant, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The likeliest size is above the stated one, which is nearly as likely."""
-    plant = plant_of("plain", 101, 0.01)
     monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
     monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
-    found = identify(parse_machine(film_document(plant, discrepancy=STATED)), measured(plant, seed=101), Options(starts=3))
+    found = identify(parse_machine(film_document(plain, discrepancy=STATED)), measured(plain, seed=101), Options(starts=3))
     assert found.accepted, found.verdict
     size = float(found.verdict.split("than it allows for, by about ")[1].split(" %")[0]) / 100
     assert size > STATED
 
 
-def test_residuals_that_are_alike_show_deviations_less(monkeypatch: pytest.MonkeyPatch) -> None:
-    plant = plant_of("plain", 101, 0.01)
+def test_residuals_that_are_alike_show_deviations_less(plain: Plant, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(conclusion, "remark", lambda *_: VerdictRemark("", 30.0))
-    assert WORDS not in identified(plant, 101).verdict
+    assert WORDS not in identified(plain, 101).verdict
 
 
 @pytest.mark.parametrize("seed", [1, 5])
