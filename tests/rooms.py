@@ -76,7 +76,7 @@ rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit e
     estimator/machine estimator/machine/checks estimator/modes estimator/phasors estimator/simulation
     estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment rotorundown/plots
     storage storage/encoding
-service/balancing: estimator estimator/balancing estimator/fit estimator/machine estimator/phasors
+service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings

@@ -60,7 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def figures(parts: Sequence[str] | None = None, *, short: bool) -> Iterator[ReportLine]:
-    """Yield the figures of some parts, by default of all; short: of few splits and kits, without what takes long."""
+    """Yield the figures of some parts, by default of all.
+
+    short: of few splits and kits, without what takes long.
+    """
     for name in parts or [name for name in PARTS if not (short and name in LONG)]:
         yield from PARTS[name](short)
 

@@ -80,9 +80,7 @@ def balance_machine(
         model = _model(machine, [initial, *trials]) if use_model else None
         with threadpoolctl.threadpool_limits(1), working("balancing"):
             found = balance_from_trials(described, unloaded, loaded, options=options, model=model)
-            checked = None
-            if check is not None:
-                checked = check_balancing(found, _check_run(described, check))
+            checked = None if check is None else check_balancing(found, _check_run(described, check))
         _print(found, checked, scale, as_json=as_json)
         if page is not None:
             page.write_text(printed_page(found, checked, language, scale), encoding="utf-8")
