@@ -60,10 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def figures(parts: Sequence[str] | None = None, *, short: bool) -> Iterator[ReportLine]:
-    """Yield the figures of some parts, by default of all.
-
-    short: of few splits and kits, without what takes long.
-    """
+    """Yield the figures of some parts, by default of all; a short run has few splits and leaves out what takes long."""
     for name in parts or [name for name in PARTS if not (short and name in LONG)]:
         yield from PARTS[name](short)
 
@@ -141,7 +138,7 @@ def _both(trials: Sequence[HeldOut]) -> str:
 PARTS: dict[str, Callable[[bool], Iterator[ReportLine]]] = {
     "folds": _shared_conditions,
     "three-runs": _three_runs,
-    "printed": lambda _: printed_balancing(),
+    "printed": lambda _: iter(printed_balancing()),
     "influence": _influence,
     "simulated": _simulated_kits,
     "trains": _trains,
