@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def figures(parts: Sequence[str] | None = None, *, short: bool) -> Iterator[ReportLine]:
-    """Yield the figures of some parts, by default of all; short: with few splits and kits, without what takes long."""
+    """Yield the figures of some parts, by default of all; a short run has few splits and leaves out what takes long."""
     for name in parts or [name for name in PARTS if not (short and name in LONG)]:
         yield from PARTS[name](short)
 

@@ -108,14 +108,14 @@ def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Pa
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
-    from service.commands.mountings import scale_of_run
+    from service.commands.mountings import stated_scale
     from service.commands.results.alignment_report import alignment_text
     from service.commands.results.identification_report import identification_text, since_text
 
     print_text(identification_text(result))
     since = unbalance_since(machine, result)
     if since is not None:
-        scale, direction = scale_of_run(machine, file, sidecar)
+        scale, direction = stated_scale(machine, file, sidecar)
         print_text(since_text(since, scale, direction=direction))
     alignment = alignment_text(alignment_quantities(updated_model(machine, result))) if result.accepted else ""
     if alignment:
@@ -133,14 +133,14 @@ def _print_json(
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
-    from service.commands.mountings import scale_of_run
+    from service.commands.mountings import stated_scale
     from service.commands.results.result_content import advice_content, identification_content, quality_content, since_content
 
     since = unbalance_since(machine, result)
     alignment = alignment_quantities(updated_model(machine, result)) if result.accepted else ()
     gained = {}
     if since is not None:
-        scale, direction = scale_of_run(machine, files[0], sidecar)
+        scale, direction = stated_scale(machine, files[0], sidecar)
         gained = {"unbalance_since_calibration": since_content(since, scale, direction=direction)}
     rest = {"alignment": alignment, "runs": quality_content([file.name for file in files], qualities)}
     advice = {} if helpful is None else {"advice": advice_content(helpful)}

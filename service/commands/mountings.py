@@ -36,7 +36,7 @@ def mounted_runs(machine: "Machine", files: Sequence[Path], sidecar: Path | None
     return found if len(found) > len(files) else {}
 
 
-def scale_of_run(machine: "Machine", file: Path, sidecar: Path | None) -> "tuple[DiscScale, int]":
+def stated_scale(machine: "Machine", file: Path, sidecar: Path | None) -> "tuple[DiscScale, int]":
     """Return the scale of the discs that a file's sidecar states, and the sense of rotation; of a plain table the usual."""
     from estimator.machine.disc_scale import DiscScale
     from formats.recordings.recording import read_circumstances
@@ -63,7 +63,7 @@ def print_mountings(
     from service.commands.results.identification_report import since_text
     from service.commands.results.result_content import since_content
 
-    scale, direction = scale_of_run(machine, file, sidecar)
+    scale, direction = stated_scale(machine, file, sidecar)
     accepted, content = True, []
     print_line(f"{len(mountings)} mountings, each identified by itself: its unbalance is its own", err=as_json)
     for name, runs in mountings.items():
