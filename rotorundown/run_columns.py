@@ -1,6 +1,6 @@
 """Columns of a table as people have them: data frames with times as their index, missing values, numbers as text."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -73,7 +73,7 @@ def _numbers(name: str, values: Any) -> Floats:
     if name in TIME_COLUMNS and kind in TIME_KINDS:
         moments = np.asarray(values, dtype=TIME_KINDS[kind])
         return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"), dtype=float)
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable) or not hasattr(values, "__len__"):
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Collection):
         raise WrongRun(f"column '{name}' is a {type(values).__name__}: give a list of numbers, one a sample")
     blank = values.isna() if hasattr(values, "isna") else [None] * len(values)
     found = np.full(len(values), np.nan)
