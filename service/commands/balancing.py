@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 GRAM = 1e-3
 MILLIMETRE = 1e-3
-InitialRun = Annotated[Path, typer.Argument(help="recorded run before any trial weight", callback=named_file)]
+InitialFile = Annotated[Path, typer.Argument(help="recorded run before any trial weight", callback=named_file)]
 TrialFiles = Annotated[
     list[Path], typer.Argument(help="recorded runs with the trial weights that their sidecars state", callback=named_files)
 ]
@@ -35,7 +35,7 @@ TrialFiles = Annotated[
 
 def balance_machine(
     machine: MachineFile,
-    initial: InitialRun,
+    initial: InitialFile,
     trials: TrialFiles,
     check: Annotated[Path | None, typer.Option(help="run after the correction; its sidecar says which weights are on")] = None,
     plane: Annotated[list[str] | None, typer.Option(help="disc to correct in; by default all that had a trial weight")] = None,

@@ -183,7 +183,7 @@ def test_times_come_from_a_column_or_an_interval(tmp_path: Path, changes: dict[s
 def test_wrong_fields_of_a_sidecar_are_named(tmp_path: Path, changes: dict[str, Any], field: str) -> None:
     said = refused(write(tmp_path, **changes))
     assert "run.yaml is not a recording's sidecar" in said
-    assert f"\n  {field}" in said
+    assert f"sidecar: {field}" in said or f"\n  {field}" in said
 
 
 def test_a_sidecar_that_is_no_yaml_or_no_mapping_is_said(recording: Path) -> None:
