@@ -72,10 +72,10 @@ service/sources: estimator estimator/machine estimator/runs estimator/simulation
 rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
     estimator/updated_model rotorundown/environment
-rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit estimator/identification
-    estimator/machine estimator/machine/checks estimator/modes estimator/phasors estimator/simulation
-    estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment rotorundown/plots
-    storage storage/encoding
+rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
+    estimator/identification estimator/machine estimator/machine/checks estimator/modes estimator/phasors
+    estimator/simulation estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment
+    rotorundown/plots storage storage/encoding
 service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
 service/workers: rotorundown/environment service/configuration service/resilience
