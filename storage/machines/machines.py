@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate
 
-from sqlalchemy import Text, cast, func, select
+from sqlalchemy import ColumnElement, Text, cast, func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
@@ -114,10 +114,10 @@ def revisions(
 
 def count_within(session: Session, machine_id: str, *, limit: int, after: Keys | None, size: int) -> int:
     """Return how many of the revisions that `revisions` returns have documents of `size` [characters] in all; at least one."""
-    length = func.length(cast(RevisionRow.document, Text))
+    length: ColumnElement[int] = func.length(cast(RevisionRow.document, Text))
     query = select(length).where(RevisionRow.machine_id == machine_id)
     lengths = session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
-    return max(1, sum(whole <= size for whole in accumulate(lengths)))
+    return max(1, len([whole for whole in accumulate(lengths) if whole <= size]))
 
 
 def document(session: Session, machine_id: str, number: int | None = None) -> Machine:
