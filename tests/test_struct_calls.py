@@ -35,7 +35,7 @@ def test_structs_are_refused_where_only_dataclasses_may_stand(tmp_path: Path, mo
     monkeypatch.chdir(ROOT)
     file = tmp_path / "calls.py"
     file.write_text(CODE)
-    options = ["--config-file", "pyproject.toml", "--cache-dir", os.devnull, "--python-version", "3.12"]
+    options = ["--config-file", "pyproject.toml", "--cache-dir", os.devnull, "--num-workers", "0", "--python-version", "3.12"]
     said, _, _ = mypy.api.run([*options, str(file)])
     found = [int(line) for line in re.findall(r"calls\.py:(\d+): error: .* is a struct, no dataclass", said)]
     assert found == [number for number, line in enumerate(CODE.splitlines(), 1) if line.endswith("# wrong")], said
