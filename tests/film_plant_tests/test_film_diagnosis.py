@@ -134,17 +134,18 @@ def test_a_clearance_that_is_15_per_cent_larger_is_wear() -> None:
 
 
 @pytest.mark.parametrize(
-    ("other", "kind", "element"),
+    ("other", "named"),
     [
-        (worn(1, 1.15), "wear", "bearing.B2"),
-        pytest.param(worn(2, 1.3), "wear", "bearing.B3", marks=pytest.mark.long),
-        pytest.param(thickened(2.5), "oil", "machine", marks=pytest.mark.long),
+        (worn(1, 1.15), {("wear", "bearing.B2")}),
+        pytest.param(worn(2, 1.3), {("wear", "bearing.B3")}, marks=pytest.mark.long),
+        pytest.param(thickened(1.6), set(), marks=pytest.mark.long),  # a season may bring as much
     ],
     ids=["worn", "far worn", "thicker oil"],
 )
-def test_an_offset_is_told_within_its_interval_beside_another_cause(other: Change, kind: str, element: str) -> None:
+def test_an_offset_is_told_within_its_interval_beside_another_cause(other: Change, named: set[tuple[str, str]]) -> None:
     found = {(one.cause.kind, one.cause.element): one for one in diagnosed(lambda one: other(sunk(100e-6)(one))).causes}
-    assert set(found) == {("misalignment", "coupling.C1"), (kind, element)}
+    moved = {(kind, element) for kind, element in found if kind != "light_load"}  # which a sunk bearing may have besides
+    assert moved == {("misalignment", "coupling.C1"), *named}
     told = found["misalignment", "coupling.C1"].size.quantities
     assert told["offset_vertical_um"] == pytest.approx(-100.0, abs=told["offset_vertical_half_width_um"])
     assert told["offset_vertical_half_width_um"] < 20.0
