@@ -10,7 +10,7 @@ import numpy as np
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.film_results import placed_films
+from estimator.updated_model.film_results import WEIGHT_ERROR, placed_films
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
 
@@ -60,7 +60,9 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
         FilmLoad(
             bearing=bearing.id,
             vertical=float(states.force[-1, number, 1]),
-            error=float(standard_errors(slope[number], covariance)),
+            error=float(
+                np.hypot(standard_errors(slope[number], covariance), WEIGHT_ERROR * np.hypot(*states.force[-1, number]))
+            ),
             area=0.0 if bearing.film is None else bearing.film.diameter * bearing.film.length,
         )
         for number, bearing in enumerate(model.machine.bearings)

@@ -48,8 +48,6 @@ LARGEST_DAMPING = 1e10
 """Damping from which on steps are too short to bring anything [-]."""
 PASSING_DECREASE = 1.0
 """Decrease at which stages from an earlier fit's end pass to the next [-]: their weights are not yet those of the end."""
-SMALLEST_SHARE = 0.3
-"""Smallest part of a Newton step that is taken where the last one went too far [-]."""
 STALLED_STEPS = 12
 """Number of steps over which the decrease of χ² is watched where derivatives promise more than steps bring."""
 STALLED_DECREASE = 0.05
@@ -168,7 +166,7 @@ def descend(
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
     """
-    prior, growth, gain, share = problem.coordinates.prior, 2.0, 1.0, 1.0
+    prior, growth, gain = problem.coordinates.prior, 2.0, 1.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = data + prior.cost(theta)
     if not np.isfinite(cost):
@@ -184,16 +182,17 @@ def descend(
             return theta, ended, step_number
         damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
         step = np.linalg.solve(damped, slope)
-        step *= share * min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
+        step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
+        trial = theta + step
         try:  # nearly all trials are taken, so their derivatives are computed at once
-            trial = bent(problem, theta, weight, step, damped) if gain < CURVED else theta + step
+            if gain < CURVED:
+                trial = bent(problem, theta, weight, step, damped)
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
             trial_cost = trial_data + prior.cost(trial)
         except SingularCondensation:
             trial_cost = math.inf  # E or density went where a speed cannot be condensed at: a shorter step
         gain = (cost - trial_cost) / promised
-        share = _next_share(share, float(slope @ step), trial_cost - cost)
         if np.isfinite(trial_cost) and gain > 1e-4:
             theta, cost, gradient, curvature = trial, trial_cost, trial_gradient, trial_curvature
             damping, growth = max(damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 1e-9), 2.0
@@ -253,18 +252,6 @@ def bent(problem: FitProblem, theta: Floats, weight: Floats, step: Floats, dampe
     if 2.0 * np.linalg.norm(size * acceleration) <= LARGEST_BEND * np.linalg.norm(size * step):
         step = step + acceleration / 2.0
     return best_excitations(problem, theta + step, weight)
-
-
-def _next_share(share: float, descent: float, change: float) -> float:
-    """Return the part of a Newton step that is taken next: to the lowest point of the parabola over the last step.
-
-    Where residuals bend the valley, Gauss and Newton's curvature is too small, and whole steps swing from side to side
-    (interpolation as in Nocedal and Wright, Numerical Optimization, 2006, sec. 3.5).
-
-    share: part taken last [-]; descent: half the decrease that the slope promises over that step [-]; change: of the cost [-].
-    """
-    bend = change + 2.0 * descent
-    return float(np.clip(share * descent / bend, SMALLEST_SHARE, 1.0)) if np.isfinite(bend) and bend > 0.0 else 1.0
 
 
 def _leads_nowhere(costs: list[float], promise: float, left: int, hopeless: float) -> bool:
