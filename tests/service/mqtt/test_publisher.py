@@ -76,7 +76,7 @@ def test_each_transition_arrives_and_the_last_is_kept(own_broker: Mosquitto, pla
     with own_broker.connected("hmi", "", "rundown/v1/#") as late:
         wait_until(lambda: late.last(ALERT) is not None)
         assert state(late.last(ALERT)) == "acknowledged"
-        assert late.last("rundown/v1/status/rundown") == b"online"
+        wait_until(lambda: late.last("rundown/v1/status/rundown") == b"online")
 
 
 def test_last_states_are_told_again_after_a_kill(own_broker: Mosquitto, plant: Database, publishing: MqttAlerts) -> None:
