@@ -10,9 +10,8 @@ import numpy as np
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.film_results import WEIGHT_ERROR, placed_films
+from estimator.updated_model.film_results import load_error, placed_films
 from estimator.updated_model.model import UpdatedModel
-from estimator.updated_model.uncertainty import standard_errors
 
 HIGHEST_PRESSURE = 5e6
 """Highest load over diameter and length [Pa]."""
@@ -60,9 +59,7 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
         FilmLoad(
             bearing=bearing.id,
             vertical=float(states.force[-1, number, 1]),
-            error=float(
-                np.hypot(standard_errors(slope[number], covariance), WEIGHT_ERROR * np.hypot(*states.force[-1, number]))
-            ),
+            error=load_error(slope[number], covariance, force=states.force[-1, number]),
             area=0.0 if bearing.film is None else bearing.film.diameter * bearing.film.length,
         )
         for number, bearing in enumerate(model.machine.bearings)

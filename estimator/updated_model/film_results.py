@@ -131,5 +131,20 @@ def _state(element: str, states: JournalStates, number: int, clearance: int, cov
         slope[clearance] -= part  # by the logarithm of its own clearance
         rows.append(("eccentricity_ratio", "1", part, slope))
     for name, unit, value, slope in rows:
-        beside = WEIGHT_ERROR * float(np.hypot(*force)) if name.startswith("load_") else 0.0
-        yield FilmResult(f"{element}.{name}", unit, float(value), float(np.hypot(standard_errors(slope, covariance), beside)))
+        of_load = name.startswith("load_")
+        error = load_error(slope, covariance, force=force) if of_load else float(standard_errors(slope, covariance))
+        yield FilmResult(f"{element}.{name}", unit, float(value), error)
+
+
+def load_error(slope: Floats, covariance: Floats, *, force: Floats) -> float:
+    """Return the standard error of a component of the load on a film (JCGM 100:2008, 4.3 and 5.2).
+
+    Args:
+        slope: Derivatives (n,) of the component by the parameters [N].
+        covariance: Covariance (n, n) of the parameters [-].
+        force: The load (2,), horizontal and vertical [N].
+
+    Returns:
+        The standard error, of what the fit leaves open and of the masses [N].
+    """
+    return float(np.hypot(standard_errors(slope, covariance), WEIGHT_ERROR * np.hypot(*force)))
