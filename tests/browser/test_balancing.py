@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from estimator.machine.document import parse_machine
 from tests.browser.conftest import Seen
@@ -174,3 +174,30 @@ def test_no_masses_while_an_alert_says_that_the_coupling_is_misaligned(seen: See
     dialog = _step(seen, "Compute the correction …")
     _send(dialog, "Compute")
     expect(dialog.get_by_role("alert")).to_contain_text("mend C1 first, no masses are proposed")
+
+
+def test_a_form_stays_until_the_balancing_that_it_began_is_shown(seen: Seen, service: Service) -> None:
+    """Otherwise the next step would be filed to the balancing that was shown before."""
+    runs = _closed_runs(service, COPY)
+    _until_tried(seen, COPY, runs)
+    older = service.get(f"/machines/{COPY}/balancings")[-1]["id"]
+    seen.page.get_by_label("Balancing", exact=True).select_option(str(older))
+    held: list[Route] = []
+    seen.page.route(re.compile(rf"/machines/{COPY}/balancings$"), lambda route: _hold_reads(route, held))
+    dialog = _step(seen, "Begin …")
+    dialog.get_by_label("Run without trial weights").select_option(str(runs[0]))
+    with seen.page.expect_request(lambda one: one.method == "GET" and one.url.endswith("/balancings")):
+        _send(dialog, "Begin")
+    expect(dialog.get_by_role("button", name="…", exact=True)).to_be_disabled()
+    for one in held:
+        one.continue_()
+    expect(dialog).to_have_count(0)
+    begun = service.get(f"/machines/{COPY}/balancings")[0]["id"]
+    expect(seen.page.get_by_text(f"Balancing {begun}, begun")).to_be_visible()
+
+
+def _hold_reads(route: Route, held: list[Route]) -> None:
+    if route.request.method == "GET":
+        held.append(route)
+    else:
+        route.continue_()

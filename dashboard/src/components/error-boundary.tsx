@@ -8,7 +8,7 @@ export function ErrorBoundary({ children }: { children: ComponentChildren }) {
   const [error, reset] = useErrorBoundary((one) => console.error(one)) as [Error | undefined, () => void];
   if (!error) return <>{children}</>;
   const tryAgain = () => {
-    refetch(""); // the data that it failed on may have changed
+    void refetch(""); // the data that it failed on may have changed
     reset();
   };
   return (

@@ -30,9 +30,9 @@ class Resource {
   readonly result = new Store<QueryResult<unknown>>({ data: undefined, failure: undefined });
   subscribers = 0;
   requestedAt = 0;
-  private inFlight = false;
-  /** Whether something changed while a request was in flight, whose response may be from before. */
-  private refetchQueued = false;
+  private inFlight: Promise<void> | null = null;
+  /** The request after that in flight, whose response may be from before something changed. */
+  private following: Promise<void> | null = null;
   private receivedAt = 0;
   /** When the first of the latest errors in a row occurred that concern this request alone; null without one [ms]. */
   private failingSince: number | null = null;
@@ -43,16 +43,22 @@ class Resource {
 
   /** Request unless a request is in flight or was sent within that time. */
   fetchIfOlder(ms = FRESH_MS): void {
-    if (!this.inFlight && Date.now() - this.requestedAt >= ms) void this.fetch();
+    if (this.inFlight === null && Date.now() - this.requestedAt >= ms) void this.fetch();
   }
 
-  /** Request, after a request that is in flight. */
-  async fetch(): Promise<void> {
-    if (this.inFlight) {
-      this.refetchQueued = true;
-      return;
-    }
-    this.inFlight = true;
+  /** Request, after a request that is in flight; resolved, whatever the response, once it is there. */
+  fetch(): Promise<void> {
+    if (!this.inFlight) return (this.inFlight = this.request());
+    this.following ??= this.inFlight.then(() => {
+      this.following = null;
+      if (this.subscribers > 0) return this.fetch();
+      this.requestedAt = 0; // the next subscriber requests at once
+      return undefined;
+    });
+    return this.following;
+  }
+
+  private async request(): Promise<void> {
     this.requestedAt = Date.now();
     this.abort = new AbortController();
     const { signal } = this.abort;
@@ -65,18 +71,14 @@ class Resource {
       if (signal.aborted) this.requestedAt = 0;
       else this.fail(error instanceof ApiError ? error : new ApiError(0, String(error)));
     } finally {
-      this.inFlight = false;
+      this.inFlight = null;
     }
-    const again = this.refetchQueued || (signal.aborted && this.subscribers > 0);
-    this.refetchQueued = false;
-    if (!again) return;
-    if (this.subscribers > 0) void this.fetch();
-    else this.requestedAt = 0; // the next subscriber requests at once
+    if (signal.aborted && this.subscribers > 0 && !this.following) void this.fetch();
   }
 
   /** Give up a request that the service may still compute for: it keeps the result of what it has begun. */
   abandon(): void {
-    if (this.inFlight && isComputed(this.path)) this.abort.abort();
+    if (this.inFlight !== null && isComputed(this.path)) this.abort.abort();
   }
 
   private fail(failure: ApiError): void {
@@ -121,23 +123,25 @@ export function prefetch(...paths: string[]): void {
   for (const path of paths) resourceOf(path).fetchIfOlder();
 }
 
-/** Request again every shown resource whose path contains the text. */
-export function refetch(text: string): void {
+/** Request again every shown resource whose path contains the text; resolved once all have answered. */
+export async function refetch(text: string): Promise<void> {
+  const requested: Promise<void>[] = [];
   for (const [path, resource] of resources) {
     if (!path.includes(text)) continue;
-    if (resource.subscribers > 0) void resource.fetch();
+    if (resource.subscribers > 0) requested.push(resource.fetch());
     else resources.delete(path);
   }
+  await Promise.all(requested);
 }
 
 reconnects.subscribe(() => {
   for (const one of resources.values()) one.abandon(); // the connection that its answer was to come by may be gone
-  refetch("");
+  void refetch("");
 });
 latestAlertEvent.subscribe(() => {
-  refetch("/alerts");
-  refetch("/deviations");
-  refetch("/fleet");
+  void refetch("/alerts");
+  void refetch("/deviations");
+  void refetch("/fleet");
 });
 
 const NOTHING = new Store<QueryResult<unknown>>({ data: undefined, failure: undefined });

@@ -42,8 +42,8 @@ export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; ac
     try {
       await carryOut(alert, action, body, keys);
     } finally {
-      refetch("/alerts");
-      refetch("/fleet");
+      void refetch("/alerts");
+      void refetch("/fleet");
     }
   };
   return (

@@ -21,6 +21,8 @@ interface Props {
   balancing: FieldBalancing | null;
   /** What speaks against it now; null for nothing. */
   warning: string | null;
+  /** Called with the balancing that the step was stored to. */
+  onStored: (id: number) => void;
   onClose: () => void;
 }
 
@@ -31,7 +33,7 @@ const TITLES: Record<BalancingStep, [title: string, button: string]> = {
   check: [t("compareACheckRun"), t("compare")],
 };
 
-export function BalancingDialog({ machine, step, balancing, warning, onClose }: Props) {
+export function BalancingDialog({ machine, step, balancing, warning, onStored, onClose }: Props) {
   const [title, button] = TITLES[step];
   const list = `/machines/${machine.id}/balancings`;
   const discs = machine.discs.map((one) => one.id);
@@ -39,9 +41,9 @@ export function BalancingDialog({ machine, step, balancing, warning, onClose }: 
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
     const path = { begin: list, trial: `${list}/${balancing?.id}/trials`, correction: `${list}/${balancing?.id}/correction`, check: `${list}/${balancing?.id}/check` }[step];
     try {
-      await post(path, bodyOf(step, form, discs, balancing), null, keys);
+      onStored((await post<FieldBalancing>(path, bodyOf(step, form, discs, balancing), null, keys)).id);
     } finally {
-      refetch(list);
+      await refetch(list); // the next step is of what is shown
     }
   };
   return (

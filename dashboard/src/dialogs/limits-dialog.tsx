@@ -22,7 +22,7 @@ export function LimitsDialog({ machine, kind, shown, onClose }: Props) {
     const tag = now.version === shown.version ? etag : `"${shown.version}"`;
     const limits: Limits = { ...shown.limits, [kind]: ruleOf(kind, rule, form) };
     await put(path, { by: author(form), comment: form.get("comment"), limits }, tag);
-    refetch(path);
+    void refetch(path);
   };
   return (
     <FormDialog title={t("limits", { finding: findingLabel(kind) })} button={t("apply")} onSubmit={submit} onClose={onClose}>

@@ -15,7 +15,7 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
     const body = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim(), reports: form.get("reports") || null };
     onAdded(await post<NewSubscription>("/subscriptions", body, null, keys));
-    refetch("/subscriptions");
+    void refetch("/subscriptions");
   };
   return (
     <FormDialog title={t("addASubscription")} button={t("add")} named={false} onSubmit={submit} onClose={onClose}>

@@ -79,7 +79,7 @@ export function EndSuppressionDialog({ suppression, onClose }: { suppression: Su
 }
 
 function refetchAlerts(machine: string): void {
-  refetch(`/machines/${machine}/`);
-  refetch("/alerts");
-  refetch("/fleet");
+  void refetch(`/machines/${machine}/`);
+  void refetch("/alerts");
+  void refetch("/fleet");
 }

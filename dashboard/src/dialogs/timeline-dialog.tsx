@@ -15,7 +15,7 @@ export function TimelineDialog({ machine, onClose }: { machine: string; onClose:
     try {
       await post(`/machines/${machine}/timeline`, body, null, keys);
     } finally {
-      refetch(`/machines/${machine}/`);
+      void refetch(`/machines/${machine}/`);
     }
   };
   return (

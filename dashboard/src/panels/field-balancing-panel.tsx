@@ -62,7 +62,9 @@ export function FieldBalancingPanel({ machine, hidden = false, warning = null }:
           </Loaded>
         </Panel>
       </div>
-      {open && <BalancingDialog machine={machine} step={open.step} balancing={open.of} warning={warning} onClose={() => setOpen(null)} />}
+      {open && (
+        <BalancingDialog machine={machine} step={open.step} balancing={open.of} warning={warning} onStored={setChosen} onClose={() => setOpen(null)} />
+      )}
     </>
   );
 }

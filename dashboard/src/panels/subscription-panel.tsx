@@ -40,7 +40,7 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
     } catch (error) {
       setOutcome(error instanceof ApiError ? error.message : String(error));
     }
-    refetch("/subscriptions");
+    void refetch("/subscriptions");
   };
   const setEnabled = (operation: "enable" | "disable") =>
     run(async () => {
