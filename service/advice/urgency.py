@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
+from estimator.machine.parameter_description import describe
 from service.alerts.advice_message import Urgency
 from service.alerts.lifecycle import Severity
 from service.wording.described_finding import DescribedFinding
@@ -25,7 +26,7 @@ def urgency(finding: DescribedFinding, severity: Severity | None, measured_at: d
     progress: Mapping[str, Any] = finding.evidence.get("progress") or {}
     unit = "%" if finding.evidence.get("tolerance_per_cent") is None else language.translate("unit.allowed")
     rate = tuple(progress.get(name) for name in ("per_week", "lower", "upper"))
-    said = _rate_words(progress, unit, language)
+    said = _size_words(finding, progress, unit) + _rate_words(progress, unit, language)
     ahead = progress.get("ahead")
     if severity is Severity.DANGER:
         return _answer(language.translate("urgent.reached", said=said), unit, rate, reached=True)
@@ -58,17 +59,26 @@ def _of_rate(finding: DescribedFinding, severity: Severity | None, measured_at: 
     return _answer(words, "%", rate, reached=danger)
 
 
+def _size_words(finding: DescribedFinding, progress: Mapping[str, Any], unit: str) -> str:
+    """Return the size that limits are for, in the newest run; where it is the mean of several elements, that is said."""
+    newest = progress.get("newest")
+    if newest is None:
+        return ""
+    elements = {describe(one.name).element for one in finding.parts() if one.unit == "%"}
+    size = finding.evidence.get("per_cent")
+    if size is None or len(elements) < 2:
+        return finding.language.translate("urgent.newest", newest=float(newest), unit=unit)
+    return finding.language.translate("urgent.newest_mean", size=float(size), newest=float(newest), count=len(elements))
+
+
 def _rate_words(progress: Mapping[str, Any], unit: str, language: Language) -> str:
-    runs, newest = progress.get("runs", 0), progress.get("newest")
-    size = "" if newest is None else language.translate("urgent.newest", newest=float(newest), unit=unit)
+    runs = progress.get("runs", 0)
     if progress.get("per_week") is None:
-        return size + language.translate(
-            "urgent.run_needed" if runs == 1 else "urgent.runs_needed", runs=runs, needed=FEWEST_RUNS
-        )
+        return language.translate("urgent.run_needed" if runs == 1 else "urgent.runs_needed", runs=runs, needed=FEWEST_RUNS)
     rate, low, high = (float(progress[name]) for name in ("per_week", "lower", "upper"))
     finding = language.translate("urgent.rate", rate=rate, unit=unit, lower=low, upper=high, runs=runs)
     key = "grows" if low > 0.0 else "falls" if high < 0.0 else "no_growth"
-    return size + language.translate(f"urgent.{key}", rate=finding)
+    return language.translate(f"urgent.{key}", rate=finding)
 
 
 def _until(ahead: Mapping[str, Any], rate: _Rate, measured_at: datetime, language: Language) -> Urgency:

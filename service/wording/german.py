@@ -99,6 +99,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "Grenzwert seiner Größe lässt sich nicht angeben: {said}",
     "urgent.drift_no_time": "Eine Zeit bis zu einem Grenzwert seiner Größe lässt sich nicht angeben: {said}",
     "urgent.newest": "der neueste Lauf für sich zeigt {newest:.0f} {unit}; ",
+    "urgent.newest_mean": "das Mittel der {count} Elemente, für das die Grenzwerte gelten, ist {size:.0f} %, im neuesten Lauf "
+    "für sich {newest:.0f} %; ",
     "urgent.runs_needed": "{runs} Läufe seit dem Beginn, erst {needed} zeigen, wie schnell es wächst",
     "urgent.run_needed": "1 Lauf seit dem Beginn, erst {needed} zeigen, wie schnell es wächst",
     "urgent.rate": "{rate:+.2g} {unit} je Woche ({lower:+.2g} bis {upper:+.2g}) über {runs} Läufe",

@@ -245,6 +245,15 @@ def test_a_danger_comes_before_balancing(seen: Seen, service: Service) -> None:
     expect(seen.page.get_by_role("button", name="Begin")).to_be_visible()
 
 
+def test_a_model_proposes_no_weights_while_a_danger_is_open(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/model")
+    expect(seen.page.get_by_role("heading", name="Not now: a danger is open")).to_be_visible()
+    proposal = seen.page.get_by_role("heading", name="Balancing proposal")
+    expect(proposal).to_have_count(0)
+    seen.page.get_by_text("Balance all the same").click()
+    expect(proposal).to_be_visible()
+
+
 def test_a_wall_shows_the_fleet_and_follows_it(seen: Seen) -> None:
     seen.open("wall")
     tiles = seen.page.locator(".tile")

@@ -10,6 +10,7 @@ import { CouplingLoadsPanel } from "../identification/coupling-loads-panel";
 import { CriticalSpeedsPanel } from "../identification/critical-speeds-panel";
 import { OilFilmsPanel } from "../identification/oil-films-panel";
 import { rich, t, term } from "../messages/messages";
+import { BalancingGate } from "../panels/balancing-gate";
 import type { Document } from "../schemas/machines";
 
 function pathsOf(id: number) {
@@ -36,7 +37,7 @@ export function ModelTab({ machine }: { machine: Document }) {
       <CentrelinePanel machine={machine} found={newest} />
       <AlignmentPanel found={newest} />
       <CouplingLoadsPanel path={paths.forces} />
-      <BalancingPanel path={paths.balancing} />
+      <BalancingGate machine={machine.id}>{(hidden) => !hidden && <BalancingPanel path={paths.balancing} />}</BalancingGate>
     </>
   );
 }

@@ -131,7 +131,7 @@ def test_any_sensible_sample_arrives(speed: float, size: float, lead: float, enc
     assert taken.all()
     assert found.time.tolist() == sent.time_ns
     assert found.speed.tolist() == [speed]
-    assert found.phasor[0] == pytest.approx([size * np.exp(1j * math.radians(lead))] * 4)
+    assert found.phasor[0] == pytest.approx([size * np.exp(1j * math.radians(lead))] * 4, abs=QUANTUM)
 
 
 def test_the_source_is_named_by_machine_name_and_epoch() -> None:

@@ -1,0 +1,53 @@
+// What is for balancing gives way where a danger is open that no balancing mends; it can be opened all the same.
+import type { ComponentChildren } from "preact";
+import { useState } from "preact/hooks";
+import { link } from "../browser/router";
+import { Panel } from "../components/panel";
+import { Severity } from "../components/severity";
+import { useOpenAlerts } from "../data/open-alerts";
+import { t } from "../messages/messages";
+import type { Alert } from "../schemas/alerts";
+import { alertTitle } from "../words/alert-states";
+
+/** What balancing is for. */
+const MENDED_BY_BALANCING = "unbalance";
+
+interface Props {
+  machine: string;
+  /** hidden: whether it is kept out of sight. warning: what speaks against balancing now; null for nothing. */
+  children: (hidden: boolean, warning: string | null) => ComponentChildren;
+}
+
+export function BalancingGate({ machine, children }: Props) {
+  const dangers = (useOpenAlerts(machine).data ?? []).filter((one) => one.severity === "danger" && one.rule !== MENDED_BY_BALANCING);
+  const [anyway, setAnyway] = useState(false);
+  const waits = dangers.length > 0;
+  return (
+    <>
+      {waits && <Dangers dangers={dangers} />}
+      {waits && (
+        <p class="buttons screen">
+          <button type="button" aria-expanded={anyway} onClick={() => setAnyway(!anyway)}>
+            {anyway ? "▾" : "▸"} {t("balanceAllTheSame")}
+          </button>
+        </p>
+      )}
+      {children(waits && !anyway, waits ? t("notNowADangerIs") : null)}
+    </>
+  );
+}
+
+function Dangers({ dangers }: { dangers: Alert[] }) {
+  return (
+    <Panel title={t("notNowADangerIs")}>
+      <p>{t("balancingWouldHideWhatIs")}</p>
+      <ul class="reasons">
+        {dangers.map((one) => (
+          <li key={one.id}>
+            <Severity severity={one.severity} /> <a href={link(["alerts", String(one.id)])}>{alertTitle(one)}</a>: {one.message}
+          </li>
+        ))}
+      </ul>
+    </Panel>
+  );
+}
