@@ -8,6 +8,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import BaseModel
 from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
@@ -50,7 +51,7 @@ async def _wrong_request(request: Request, error: RequestValidationError) -> JSO
         detail = f"the body says that it is {said}: send JSON, with Content-Type: application/json"
         return problem_response(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, detail)
     listed = error.errors()[:MOST_PROBLEMS]
-    problems = _field_problems(problems_of(_worded(listed)))
+    problems = _field_problems(problems_of(_worded(listed), _model_of_body(request)))
     if len(error.errors()) > len(listed):
         words = f"there are more than {MOST_PROBLEMS} problems: mend those that are listed first"
         problems.append(FieldProblem(field="document", message=words))
@@ -90,6 +91,13 @@ def _mislabelled(request: Request, error: RequestValidationError) -> bool:
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     labelled = kind == "application/json" or (kind.startswith("application/") and kind.endswith("+json"))
     return not labelled and any(tuple(one["loc"]) == ("body",) and one["type"] != "missing" for one in error.errors())
+
+
+def _model_of_body(request: Request) -> type[BaseModel] | None:
+    """Return the model that the request's body is of; None where the operation takes none."""
+    body = getattr(request.scope.get("route"), "body_field", None)
+    kind = None if body is None else body.field_info.annotation
+    return kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
 
 
 def _worded(errors: Sequence[Any]) -> list[dict[str, Any]]:

@@ -28,6 +28,11 @@ def table(**changes: Any) -> Callable[[Document], None]:
 
 
 SLIPS: dict[str, tuple[Callable[[Document], Any], str, str]] = {
+    "a misspelt field": (
+        lambda said: said["probes"][0].update(angel_deg=45.0),
+        "probes[0].angel_deg",
+        "there is no such field; did you mean 'angle_deg'?",
+    ),
     "a clearance of more than a tenth of the radius": (
         film(radial_clearance=0.0045),
         "bearings[1].film",
