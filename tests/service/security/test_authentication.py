@@ -120,6 +120,20 @@ def test_a_rotated_key_is_good_for_the_overlap(store: Database) -> None:
         api_keys.rotate(session, prefix, overlap_days=1.0, days=30)
 
 
+def test_a_revoked_key_gets_no_answer_that_was_kept_for_it(api: Api, store: Database) -> None:
+    clock = Clock()
+    clock.now = time.monotonic()
+    api.app.state.authentication._clock = clock
+    text = made(store)
+    answers = [api.ask("GET", f"{PREFIX}/machines", headers=bearer(text)) for _ in range(3)]
+    assert {one.status_code for one in answers} == {200}
+    with store.transaction() as session:
+        api_keys.revoke(session, text.split("_")[1])
+    clock.now += IDENTITY_CACHE_S + 0.1
+    problem(api.ask("GET", f"{PREFIX}/machines", headers=bearer(text)), 401)
+    problem(api.ask("GET", f"{PREFIX}/machines", headers=bearer(text) | {"if-none-match": "*"}), 401)
+
+
 def test_when_a_key_was_last_used_is_written_now_and_then(store: Database) -> None:
     authentication = Authentication(store)
     text = made(store)
