@@ -82,6 +82,9 @@ def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
     expect(seen.page.locator("main")).not_to_contain_text("µm pp")
     expect(seen.page.locator("main")).not_to_contain_text(re.compile(r"\d rpm"))
     expect(seen.page.locator("table").first).to_contain_text(" Hz")
+    seen.open(f"machines/{MACHINE}/trends?element=derived_quantities")
+    critical = seen.page.locator(".history-plot", has_text="critical speed 1").first
+    expect(critical.locator("figcaption")).to_contain_text("[Hz]")
     seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
     assert seen.errors == []
 

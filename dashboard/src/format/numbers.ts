@@ -21,13 +21,21 @@ export interface Scale {
   unit: string;
 }
 
-/** How numbers of some size in an SI unit are shown: 18 MN/m, 530 g·mm. */
-export function scaleOf(largest: number, unit: string): Scale {
+/** A unit of speeds, and its factor from revolutions a minute. */
+export interface SpeedUnit {
+  label: string;
+  factor: number;
+}
+
+const RPM: SpeedUnit = { label: t("rpm"), factor: 1 };
+
+/** How numbers of some size in an SI unit are shown: 18 MN/m, 530 g·mm. speed: the unit that speeds are shown in. */
+export function scaleOf(largest: number, unit: string, speed = RPM): Scale {
   if (unit === "kg m") return { factor: 1e6, unit: "g·mm" };
   if (unit === "" || unit === "-" || unit === "1") return { factor: 1, unit: "" };
   if (unit === "m") return { factor: 1e6, unit: "µm" };
   if (unit === "kg") return { factor: 1, unit };
-  if (unit === "rad/s") return { factor: 30 / Math.PI, unit: t("rpm") };
+  if (unit === "rad/s") return { factor: (speed.factor * 30) / Math.PI, unit: speed.label };
   const size = Math.abs(largest);
   const [step, prefix] = PREFIXES.find(([at]) => size >= at) ?? [1, ""];
   return { factor: size > 0 ? 1 / step : 1, unit: (size > 0 ? prefix : "") + (SYMBOLS[unit] ?? unit) };
@@ -49,10 +57,10 @@ export function number(value: number | null | undefined, digits = 3): string {
   return decimal(value.toFixed(Math.min(decimals, 8)).replace("-", "−"));
 }
 
-export function quantity(value: number | null | undefined, unit: string, digits = 3): string {
+export function quantity(value: number | null | undefined, unit: string, speed = RPM): string {
   if (value === null || value === undefined) return "–";
-  const scale = scaleOf(value, unit);
-  return `${number(value * scale.factor, digits)} ${scale.unit}`.trim();
+  const scale = scaleOf(value, unit, speed);
+  return `${number(value * scale.factor)} ${scale.unit}`.trim();
 }
 
 export function percent(part: number, digits = 2): string {

@@ -1,6 +1,7 @@
 // A comparison of the identification that is shown with an earlier one.
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
@@ -100,7 +101,7 @@ function valueText(value: number | null, scale: Scale): string {
 }
 
 function Row({ one, unit }: { one: ComparedChange; unit: string }) {
-  const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit);
+  const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit, useUnits().speed);
   const isSignificant = Math.abs(one.sigma ?? 0) > SIGNIFICANT;
   return (
     <tr class={isSignificant ? "significant" : undefined}>

@@ -1,6 +1,7 @@
 // One identification in numbers and words: how well it fits, each parameter, and what the data do not determine and why.
 import type { ComponentChildren } from "preact";
 import { link } from "../browser/router";
+import { useUnits } from "../browser/units";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
 import { Speed } from "../components/speed";
@@ -137,6 +138,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
 }
 
 function Row({ one }: { one: Estimate }) {
+  const { speed } = useUnits();
   if (one.value === null) {
     return (
       <tr>
@@ -148,10 +150,10 @@ function Row({ one }: { one: Estimate }) {
     );
   }
   const size = one.imaginary === null ? one.value : Math.hypot(one.value, one.imaginary);
-  const scale = scaleOf(size, one.unit);
+  const scale = scaleOf(size, one.unit, speed);
   const angle = angleText(one.angle_deg, one.angle_half_width_deg);
   return (
-    <tr title={t("standardError", { error: quantity(one.standard_error, one.unit) })}>
+    <tr title={t("standardError", { error: quantity(one.standard_error, one.unit, speed) })}>
       <td>{quantityName(one.parameter)}</td>
       <td class="number">
         {number(size * scale.factor)} {scale.unit}

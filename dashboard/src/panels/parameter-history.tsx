@@ -1,5 +1,6 @@
 // The history of one parameter: its estimates with intervals, the baseline's band, and the results of its trend tests.
 import { navigate } from "../browser/router";
+import { useUnits } from "../browser/units";
 import { angleText } from "../format/angles";
 import { isCrossCoupled } from "../format/names";
 import { number, percent, scaleOf, type Scale } from "../format/numbers";
@@ -29,7 +30,7 @@ export function ParameterHistory({ name, history, beside, kinds, markers, tests,
   const histories = beside ? [history, beside] : [history];
   const points = historyPoints(histories);
   const sizes = histories.flatMap((one) => one.series.value.filter((value) => value !== null).map(Math.abs));
-  const scale = scaleOf(Math.max(0, ...sizes), series.unit);
+  const scale = scaleOf(Math.max(0, ...sizes), series.unit, useUnits().speed);
   // Two machines may have been measured at the same instant.
   const readOut = (index: number) => atOnce(points, index).map((one) => pointText(one, scale)).join("; ");
   const isThinned = series.down_sampling && series.down_sampling.method !== "none";
