@@ -50,7 +50,7 @@ def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
     if not of_rate and not (is_finding(facts.kind) and finding.is_tellable()):
         return None
     try:
-        return _advice(finding, facts, texts.of(facts.kind))
+        return _advice(finding, facts, texts.of(facts.kind, finding.element_kind))
     except FAULTS_OF_CONTENT:
         # Of evidence that another release has stored; whoever reads it still gets its kind and element.
         logger.exception("%s of %s at %s cannot be put into words", facts.kind, facts.element, facts.machine)

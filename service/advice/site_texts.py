@@ -45,9 +45,12 @@ class SiteTexts:
         """Return the texts for readers of a language."""
         return self if language == self.language else replace(self, language=language)
 
-    def of(self, kind: str) -> FindingTexts:
-        """Return the texts of a kind of finding. Raises KeyError when there is no such kind."""
-        texts = rule_of_kind(kind).texts_in(self.language)
+    def of(self, kind: str, element_kind: str = "") -> FindingTexts:
+        """Return the texts of a kind of finding. Raises KeyError when there is no such kind.
+
+        element_kind: kind of the element that they are said of.
+        """
+        texts = rule_of_kind(kind).texts_in(self.language, element_kind)
         for code in ("", self.language.code):
             own = self.written.get(code, {}).get(kind)
             texts = texts if own is None else replace(texts, **own)

@@ -2,6 +2,7 @@
 
 from service.monitoring.rules.finding_rule import AlertRule, FindingRule
 from service.monitoring.rules.limit_rule import Level, Rule
+from service.monitoring.rules.seal_texts import SEAL_TEXTS
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import (
     alignment_questions,
@@ -170,6 +171,7 @@ COUPLING_AND_BEARING_FINDINGS: tuple[FindingRule, ...] = (
             ),
         },
         bearing_words,
+        texts_of_elements={"seal": SEAL_TEXTS},
         places=("judgement",),
         open_questions=element_questions,
     ),

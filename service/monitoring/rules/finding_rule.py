@@ -1,7 +1,7 @@
 """Declaration of how findings are reported: the rule by which an alert is raised, and what is said of a kind of finding."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from service.monitoring.rules.limit_rule import LimitQuantity, Rule
@@ -54,7 +54,8 @@ class FindingRule:
     """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing or wrong.
 
     names: by language; English may be left out where it is the kind with spaces. texts: what is said of it, by language, which
-    a site may replace. words: what stands in its places. places: those beside `PLACES`.
+    a site may replace. words: what stands in its places. texts_of_elements: texts of elements of another kind, such as a seal,
+    by that kind. places: those beside `PLACES`.
     force: the derived value of the element that is its force [N], such as `misalignment_force`; required when the rule's
     levels may name a force. open_questions: what the numbers of a finding leave open, beside what its texts say.
     """
@@ -64,6 +65,7 @@ class FindingRule:
     names: Mapping[Locale, str]
     texts: Mapping[Locale, FindingTexts]
     words: Words = size_words
+    texts_of_elements: Mapping[str, Mapping[Locale, FindingTexts]] = field(default_factory=dict)
     places: tuple[str, ...] = ()
     force: str | None = None
     open_questions: Callable[[DescribedFinding], Sequence[str]] = no_questions
@@ -73,12 +75,16 @@ class FindingRule:
             raise ValueError(f"finding '{self.kind}' can have a limit for a force, and does not say which value that is")
         require_every_language(f"name of finding '{self.kind}'", {"en": self.kind, **self.names})
         require_every_language(f"texts of finding '{self.kind}'", self.texts)
+        for element_kind, texts in self.texts_of_elements.items():
+            require_every_language(f"texts of finding '{self.kind}' of a {element_kind}", texts)
         for language in LANGUAGES:
-            self._require_texts(self.texts_in(language), "" if language == ENGLISH else f" ({language.code})")
+            for element_kind in ("", *self.texts_of_elements):
+                where = "" if language == ENGLISH else f" ({language.code})"
+                self._require_texts(self.texts_in(language, element_kind), where)
 
-    def texts_in(self, language: Language) -> FindingTexts:
-        """Return the texts in a language."""
-        return self.texts[language.code]
+    def texts_in(self, language: Language, element_kind: str = "") -> FindingTexts:
+        """Return the texts in a language. element_kind: kind of the element that they are said of."""
+        return self.texts_of_elements.get(element_kind, self.texts)[language.code]
 
     def name_in(self, language: Language) -> str:
         """Return its name in a language."""
@@ -95,8 +101,8 @@ class FindingRule:
         return list(texts.problems(self.places, needed))
 
     def _require_texts(self, texts: FindingTexts, where: str) -> None:
-        for field, message in self.problems(texts):
-            raise ValueError(f"finding '{self.kind}'{where}: {field} {message}")
+        for place, message in self.problems(texts):
+            raise ValueError(f"finding '{self.kind}'{where}: {place} {message}")
         missing = [name for name in LISTS if not getattr(texts, name) and (name != "if_danger" or self.can_be_danger)]
         if missing:
             raise ValueError(f"finding '{self.kind}'{where} has no texts of {', '.join(missing)}")

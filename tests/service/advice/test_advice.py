@@ -107,6 +107,16 @@ def test_the_size_of_several_elements_is_told_as_their_mean() -> None:
     assert words in urgent.words
 
 
+@pytest.mark.parametrize(("language", "oil"), [(ENGLISH, "oil"), (GERMAN, "öl")])
+def test_of_a_seal_nothing_is_said_of_oil(language: Language, oil: str) -> None:
+    one = told("bearing", "seal.S1", Severity.DANGER, language, parts=[PART | {"name": "seal.S1.coefficients"}])
+    said = " ".join([one.what, *one.check, *(each.text for each in one.actions), *one.confirm, *one.not_determined])
+    assert "S1" in one.what
+    assert oil not in said.lower()
+    of_bearing = told("bearing", "bearing.B1", Severity.DANGER, language, parts=[PART | {"name": "bearing.B1.coefficients"}])
+    assert oil in " ".join(of_bearing.check).lower()
+
+
 def test_an_alignment_is_told_in_micrometres_and_milliradians() -> None:
     numbers = {"allowed_at_rpm": 3600.0, "angle_vertical_urad": 600.0, "angle_vertical_half_width_urad": 50.0}
     numbers |= {"angle_vertical_allowed_urad": 370.0}
