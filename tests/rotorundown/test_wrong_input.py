@@ -415,3 +415,26 @@ def test_what_is_there_already_or_no_address_is_said(tmp_path: Path) -> None:
     assert "is there already: name another file" in invoked("init", str(tmp_path / "pump-12.yaml")).stderr
     assert "write protocol, host and port, such as tcp://" in invoked("worker", "nowhere").stderr
     assert "there is no file" in invoked("restore", str(tmp_path / "none.db")).stderr
+
+
+@pytest.mark.parametrize(
+    ("said", "instead", "words"),
+    [
+        ("phase_unit: deg", "phase_unit: rad", "are degrees and not radians: its sidecar should say phase_unit: deg"),
+        ("speed_unit: rpm", "speed_unit: herz", "run.csv: speed_unit 'herz' is not one of rpm, rad/s, Hz"),
+    ],
+)
+def test_a_wrong_unit_of_a_sidecar_is_named_with_its_file(
+    pump: Machine, tmp_path: Path, said: str, instead: str, words: str
+) -> None:
+    run = tmp_path / "run.csv"
+    assert CliRunner().invoke(app, ["sample", str(PUMP), str(run)]).exit_code == 0
+    sidecar = run.with_suffix(".yaml")
+    sidecar.write_text(sidecar.read_text().replace(said, instead))
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(run, machine=pump)
+    one_line(raised)
+    told = CliRunner().invoke(app, ["identify", str(PUMP), str(run)])
+    assert told.exit_code == 1
+    (line,) = told.output.splitlines()
+    assert words in line
