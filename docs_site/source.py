@@ -35,6 +35,8 @@ REFERENCES = {
     "reference-findings.md": findings_page,
     "reference-errors.md": errors_page,
 }
+SEARCH_FROM_FILES = "iframe-worker.js"
+"""Script that lets pages opened as files search; mkdocs-material would load it from a server, and search nothing without."""
 NAVIGATION: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "first-steps.md", "python.md"),
     "Tutorials": tuple(f"gallery-{name}.md" for name in NOTEBOOKS),
@@ -92,6 +94,7 @@ def write_source(folder: Path, *, short: bool) -> Path:
     for name, page_of in REFERENCES.items():
         (pages / name).write_text(page_of(), encoding="utf-8")
     write_gallery(pages, short=short)
+    shutil.copy(Path(__file__).with_name(SEARCH_FROM_FILES), pages)
     configuration = folder / "mkdocs.yml"
     configuration.write_text(_configuration(pages), encoding="utf-8")
     return configuration
@@ -130,6 +133,8 @@ theme:
   name: material
   font: false
   features: [navigation.sections, navigation.indexes, content.code.copy, toc.follow]
+extra:
+  polyfills: [{SEARCH_FROM_FILES}]
 plugins:
   - search
   - offline

@@ -1,9 +1,10 @@
 """Types of the fields that people write in documents, in SI units, and the base of a document's parts."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Never
 
 from pydantic import ConfigDict, Field
 
+from estimator.errors import Invalid
 from estimator.strict_model import StrictModel
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
@@ -19,8 +20,26 @@ Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False)]
 Spread = Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
 
 
+class PartUnchangeable(Invalid, AttributeError):
+    """Raised when somebody sets or deletes a field of a part; the message says how a changed document is made."""
+
+    def __init__(self, part: str, name: str) -> None:
+        super().__init__(
+            f"{name}: a {part} stays as it was read; change what the machine's model_dump() returns, and read that with "
+            "read_machine(…)"
+        )
+
+
 class Part(StrictModel):
     """A part of a document, which nothing changes once it is read."""
 
     # Parts are built within the document; by themselves only where somebody makes one.
     model_config = ConfigDict(frozen=True, defer_build=True)
+
+    if not TYPE_CHECKING:  # type checkers refuse it by `frozen`
+
+        def __setattr__(self, name: str, value: Any) -> Never:
+            raise PartUnchangeable(type(self).__name__, name)
+
+        def __delattr__(self, name: str) -> Never:
+            raise PartUnchangeable(type(self).__name__, name)

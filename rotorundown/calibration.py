@@ -88,6 +88,9 @@ def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -
     """
     if isinstance(files, str | Path):
         raise NotCalibrated(f"files is one path, {files}: give a list of the recordings with and without weights")
+    wrong = next((one for one in files if not isinstance(one, str | Path)), None)
+    if wrong is not None:
+        raise NotCalibrated(f"a recording is a {type(wrong).__name__}: give paths of files, whose sidecars state the weights")
     try:
         runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
         with one_blas_thread():

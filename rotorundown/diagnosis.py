@@ -1,6 +1,6 @@
 """Diagnoses what changed between the results of a healthy machine and later ones, as the service does with its runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from estimator.alignment.healthy_films import learnt_variation
@@ -80,6 +80,8 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     for name, several in (("baseline", baseline), ("later", later)):
         if isinstance(several, Result):
             raise NotDiagnosable(f"{name} is one result: give a list of them")
+        if not isinstance(several, Iterable):
+            raise NotDiagnosable(f"{name} is a {type(several).__name__}: give a list of results of identify(machine, runs)")
         for one in several:
             require_result(one, f"what is in {name}")
     if not baseline or not later:

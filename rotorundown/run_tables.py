@@ -22,6 +22,7 @@ from estimator.units import (
     SpeedUnit,
     rad_per_s_to_rpm,
 )
+from formats.recordings.phase_units import contradicted_phase_unit, look_like_radians
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
     AMPLITUDE_ENDS,
@@ -49,15 +50,8 @@ UNIT_OPTIONS = {
 """Units of a table, as `read_run` takes them."""
 BEGINNING_NS = 946_771_200_000_000_000
 """Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
-LARGEST_ANGLE_RAD = 4.0 * np.pi
-"""Largest phase that may be one in radians [rad]: two turns."""
-FULL_TURN_RAD = 2.0 * np.pi
-WIDEST_SMALL_PHASES = 3.0
-"""Spread of phases within one turn in radians from which on they are not in degrees, in several channels."""
 WIDE_PHASES_DEG = 90.0
 """Spread of the phases of other channels [°] beside which one within a turn in radians is doubted."""
-FEWEST_PHASES = 40
-"""Number of phases from which on their spread says something about their unit."""
 SMALLEST_AMPLITUDE, LIKELY_AMPLITUDE = 1e-9, 1e-7
 """Largest amplitude of a run below which its unit is wrong, and from which on another may be right [m]."""
 FEWEST_BELOW_OVERSPEED = 0.5
@@ -249,13 +243,10 @@ def _require_amplitude_unit(amplitude: Floats, unit: AmplitudeUnit) -> None:
 
 
 def _require_phase_unit(phase: Floats, unit: PhaseUnit) -> None:
-    known = phase[np.isfinite(phase)]
-    if known.size == 0:
-        return
-    if unit == "rad" and np.max(np.abs(known)) > LARGEST_ANGLE_RAD:
-        raise WrongRun(f"phases reach {np.max(np.abs(known)):.0f}, which are degrees and not radians: say phase_unit='deg'")
-    if unit == "deg" and _look_like_radians(known):
-        raise WrongRun(f"all phases lie within {np.max(np.abs(known)):.2f}, which looks like radians: say phase_unit='rad'")
+    contradiction = contradicted_phase_unit(phase, unit)
+    if contradiction is not None:
+        why, right = contradiction
+        raise WrongRun(f"{why}: say phase_unit={right!r}")
 
 
 def _doubted_phases(channels: Sequence[str], phase: Floats, unit: PhaseUnit) -> Iterator[str]:
@@ -264,11 +255,6 @@ def _doubted_phases(channels: Sequence[str], phase: Floats, unit: PhaseUnit) -> 
     if unit != "deg" or not any(column.size and np.ptp(column) > WIDE_PHASES_DEG for column in known):
         return
     for channel, column in zip(channels, known, strict=True):
-        if _look_like_radians(column):
+        if look_like_radians(column):
             reach = f"{np.max(np.abs(column)):.2f}"
             yield f"{channel}: its phases lie within {reach}, those of others do not: are they in radians? Write degrees"
-
-
-def _look_like_radians(phase: Floats) -> bool:
-    narrow = phase.size >= FEWEST_PHASES and np.max(np.abs(phase)) <= FULL_TURN_RAD
-    return bool(narrow and np.ptp(phase) > WIDEST_SMALL_PHASES)

@@ -19,8 +19,9 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.phasors.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from formats.files.document_files import UnreadableFile
+from formats.recordings.phase_units import contradicted_phase_unit
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
-from formats.wire import to_samples
+from formats.wire import Rejected, to_samples
 from storage.clock import now
 
 
@@ -73,7 +74,14 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     recording = read_recording(file, sidecar)
     if recording.machine != machine.id:
         raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
-    samples, taken, faults = to_samples(recording, machine, received_at=now())
+    contradiction = contradicted_phase_unit(np.array(recording.phase, dtype=float), recording.phase_unit)
+    if contradiction is not None:
+        why, right = contradiction
+        raise UnreadableFile(f"{file}: {why}: its sidecar should say phase_unit: {right}")
+    try:
+        samples, taken, faults = to_samples(recording, machine, received_at=now())
+    except Rejected as error:
+        raise Rejected(error.reason, f"{file}: {error}") from None
     outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
     if outside and not taken.any():
         raise UnreadableFile(f"{file}: {outside}")

@@ -1,6 +1,6 @@
 """Orbits (1×) at stations with two probes, as the fit has them at one speed."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsFloat
 
 import numpy as np
 
@@ -16,11 +16,13 @@ POINTS = 200
 
 
 class NoOrbit(ValueError):
-    """Raised for a machine without two probes at different angles at any station."""
+    """Raised for a machine without two probes at different angles at any station, and for what is no speed."""
 
 
 def orbits(result: PlottedResult, speed_rpm: float) -> "Figure":
     """Draw the fitted orbits [µm pp] at one speed [r/min], with the keyphasor's dot. Raises NoOrbit."""
+    if isinstance(speed_rpm, bool) or not isinstance(speed_rpm, SupportsFloat) or not 0.0 < float(speed_rpm) < np.inf:
+        raise NoOrbit(f"an orbit is drawn at one speed [r/min], such as 2980.0, not {speed_rpm!r}")
     stations = [one for one in probe_stations(result.machine) if one.sees_both_axes]
     if not stations:
         raise NoOrbit(f"'{result.machine.id}' has no station with two probes at different angles, which an orbit needs")

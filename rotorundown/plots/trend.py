@@ -23,8 +23,9 @@ def plot_trend(results: Sequence[PlottedResult], name: str, *, when: Sequence[An
     Results that are not accepted, or do not determine the parameter, leave a gap. Raises UnknownName, NothingToPlot.
     """
     results = list(results) if isinstance(results, Iterable) else []
-    if not results or any(isinstance(one, str) for one in results):  # a single result gives the names of its parameters
-        raise NothingToPlot("a trend is drawn of a list of results, one at least")
+    # A single result gives the names of its parameters, and a run was not identified.
+    if not results or not all(hasattr(one, "accepted") for one in results):
+        raise NothingToPlot("a trend is drawn of a list of results of identify(machine, runs), one at least")
     times = list(range(1, len(results) + 1)) if when is None else list(when)
     if len(times) != len(results):
         raise ValueError(f"when has {len(times)} times for {len(results)} results")

@@ -78,7 +78,10 @@ def list_keys(database: DatabaseOption = None, as_json: JsonWanted = False) -> N
         if as_json:
             print_json([_plain_key(row, at=moment) for row in keys.list_all(session)])
             return
-        for row in keys.list_all(session):
+        rows = keys.list_all(session)
+        if not rows:
+            print_line("no key was ever made; the first: rundown key create NAME --role admin")
+        for row in rows:
             state = _state(row, at=moment)
             plants = "all plants" if row.plants is None else ",".join(row.plants)
             used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"

@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections.abc import Sequence, Set
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, ValidationError, model_validator
@@ -220,21 +221,48 @@ class Settings(MqttSettings, OpcUaSettings):
         return self
 
 
+WORDS = {
+    "int_parsing": "needs a whole number",
+    "int_type": "needs a whole number",
+    "int_from_float": "needs a whole number",
+    "float_parsing": "needs a number",
+    "float_type": "needs a number",
+    "bool_parsing": "needs true or false",
+    "bool_type": "needs true or false",
+    "string_type": "needs a text, in quotes",
+    "list_type": 'needs a list, in brackets, such as ["one", "two"]',
+    "dict_type": 'needs names with values, in a file such as { name = "value" }',
+}
+"""What is said of a value of another kind, by pydantic's kind of error."""
+
+
 class SettingsWrong(ValueError):
     """Settings are unusable; the message says which and why, but never their values: these may be secrets."""
 
 
 def settings_of(**given: Any) -> Settings:
     """Return the settings from the arguments, else the environment, else the file that it names. Raises SettingsWrong."""
+    filed: dict[str, Any] = {}
     try:
-        return Settings(**(_from_file() | given))
+        filed = _from_file()
+        return Settings(**(filed | given))
     except WrongSettingsFile as error:
         raise SettingsWrong(str(error)) from None
     except ValidationError as error:
-        found = [(".".join(map(str, one["loc"])), one["msg"].removeprefix("Value error, ")) for one in error.errors()]
+        found = [_problem(one["loc"], one["type"], one["msg"], filed=set(filed) - set(given)) for one in error.errors()]
     except SettingsError as error:
         raise SettingsWrong(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]') from None
-    raise SettingsWrong("\n".join(f"setting {name}: {words}" if name else words for name, words in found))
+    raise SettingsWrong("\n".join(found))
+
+
+def _problem(location: Sequence[int | str], kind: str, message: str, *, filed: Set[str]) -> str:
+    """Return what is wrong with a setting, and where it was said. filed: the settings that the file decides."""
+    words = message.removeprefix("Value error, ")
+    if not location:
+        return words
+    words = WORDS.get(kind, words)
+    place = f"{settings_file()}: " if location[0] in filed else ""
+    return f"{place}setting {'.'.join(map(str, location))}: {words}"
 
 
 def _from_file() -> dict[str, Any]:

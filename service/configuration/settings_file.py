@@ -30,7 +30,14 @@ def read_settings_file(path: Path, *, known: Collection[str]) -> dict[str, Any]:
         raise WrongSettingsFile(f"{path}: {error.strerror}") from None
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise WrongSettingsFile(f"{path} is no TOML: {error}") from None
-    unknown = [name for name in content if name not in known]
-    if unknown:
-        raise WrongSettingsFile(f"{path}: '{unknown[0]}' is no setting{did_you_mean(unknown[0], sorted(known))}")
+    unknown = next((name for name in content if name not in known), None)
+    if unknown is not None:
+        raise WrongSettingsFile(f"{path}: '{unknown}' is no setting{_instead_of(unknown, content[unknown], known)}")
     return content
+
+
+def _instead_of(name: str, value: Any, known: Collection[str]) -> str:
+    """Return what should probably stand instead of an unknown setting: it may be a table, or as in the environment."""
+    if isinstance(value, dict):
+        return ": settings stand above all, in no table"
+    return did_you_mean(name.removeprefix("RUNDOWN_").lower().replace("-", "_"), sorted(known))

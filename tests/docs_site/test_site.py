@@ -9,6 +9,7 @@ from typing import get_args
 from xml.etree import ElementTree
 
 import pytest
+from playwright.sync_api import expect, sync_playwright
 
 import rotorundown
 from docs_site import source
@@ -32,6 +33,7 @@ from service.http.error_status import STATUS
 from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from storage.measurements.runs import SamplesReleased
+from tests.browser.story import installed, launch
 from tests.paths import ROOT
 
 LISTED = [page for names in NAVIGATION.values() for page in names]
@@ -150,14 +152,45 @@ def test_notebooks_are_run_cell_by_cell_with_what_they_show(tmp_path: Path, monk
     assert (tmp_path / "gallery-one-1.svg").read_text().startswith("<?xml")
 
 
-@pytest.mark.long
-def test_the_site_builds_and_a_broken_link_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    done = subprocess.run([sys.executable, "-m", "docs_site", str(tmp_path / "site"), "--short"], cwd=ROOT, check=False)
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built with its notebooks in short."""
+    folder = tmp_path_factory.mktemp("built") / "site"
+    done = subprocess.run([sys.executable, "-m", "docs_site", str(folder), "--short"], cwd=ROOT, check=False)
     assert done.returncode == 0
+    return folder
+
+
+@pytest.mark.long
+def test_the_site_builds(site: Path) -> None:
     for page in LISTED:
         name = "index.html" if page == "index.md" else f"{page.removesuffix('.md')}.html"
-        assert (tmp_path / "site" / name).is_file()
+        assert (site / name).is_file()
 
+
+@pytest.mark.long
+def test_it_is_searched_as_files_and_asks_nobody(site: Path) -> None:
+    program = installed()
+    if program is None:
+        pytest.skip("chromium is not installed")
+    with sync_playwright() as playwright:
+        browser = launch(playwright, program)
+        page = browser.new_page()
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto((site / "index.html").as_uri())
+        page.keyboard.press("/")
+        page.keyboard.type("baseline")
+        expect(page.locator(".md-search-result__meta")).to_have_text(re.compile(r"\d+ matching documents"))
+        found = page.locator("a.md-search-result__link")
+        names = [found.nth(place).get_attribute("href") or "" for place in range(found.count())]
+        browser.close()
+    assert any("alerts.html" in name for name in names)
+    assert [one for one in asked if not one.startswith(("file:", "data:"))] == []
+
+
+@pytest.mark.long
+def test_a_broken_link_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def titles_only(pages: Path, **_how: bool) -> None:
         for name in NOTEBOOKS:
             (pages / f"gallery-{name}.md").write_text(f"# {name}\n")

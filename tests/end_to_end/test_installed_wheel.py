@@ -79,3 +79,13 @@ def test_the_demo_runs(python: Path, tmp_path: Path) -> None:
     except subprocess.CalledProcessError as error:
         pytest.fail(f"the demo ended with status {error.returncode}:\n{error.stdout}")
     assert "misalignment of coupling.C1" in text
+
+
+def test_commands_take_its_examples_where_the_folder_has_none(python: Path, tmp_path: Path) -> None:
+    command = python.with_name("rundown")
+    assert "is written with 200 samples" in run([command, "sample", "examples/motor-pump.yaml", "run.csv"], folder=tmp_path)
+    checked = run([command, "check", "examples/motor-pump.yaml", "run.csv"], folder=tmp_path)
+    assert checked.startswith("motor-pump: 2 shafts, 4 discs")
+    kit, recording = "examples/rk4-rotor-kit-four-probes.yaml", "examples/recordings/rk4_unbalance_1x.csv"
+    assert "read as its sidecar says" in run([command, "check", kit, recording], folder=tmp_path)
+    assert not (tmp_path / "examples").exists()

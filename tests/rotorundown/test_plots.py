@@ -89,7 +89,7 @@ def test_the_centreline_stays_within_the_clearance(result: rd.Result) -> None:
 def test_a_missing_package_is_named(result: rd.Result, run: rd.MachineRun, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(PackageMissing, match="plots need matplotlib: pip install matplotlib"):
+    with pytest.raises(PackageMissing, match=r"^plots need matplotlib: pip install 'rotorundown\[plots\]'$"):
         result.plot_bode()
-    with pytest.raises(PackageMissing, match="data frames need pandas"):
+    with pytest.raises(PackageMissing, match=r"^data frames need pandas: pip install 'rotorundown\[frames\]'$"):
         run.to_frame()

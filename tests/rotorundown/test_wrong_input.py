@@ -283,6 +283,8 @@ def test_what_was_not_identified_is_told_so(pump: Machine, run: rd.MachineRun, r
         (lambda: made.compare(pump, run, coupling="C1"), "the baseline is a Machine: identify first"),
         (lambda: made.diagnose(result, [result]), "baseline is one result: give a list of them"),
         (lambda: made.diagnose([result], [run]), "what is in later is a MachineRun: identify first"),
+        (lambda: made.diagnose(run, run), "baseline is a MachineRun: give a list of results"),
+        (lambda: made.calibrate(pump, [run]), "a recording is a MachineRun: give paths of files"),
         (lambda: made.model(None), "the source is a NoneType: identify first"),
         (lambda: made.calibrate(pump, "run.csv"), "files is one path, run.csv: give a list"),
         (lambda: made.simulate(str(PUMP)), "read it first, with read_machine(…)"),
@@ -311,9 +313,13 @@ def test_what_cannot_be_simulated_or_drawn_is_one_line(pump: Machine, run: rd.Ma
         (lambda: made.simulate(pump, weights={"core-1": 5}), "an amount [g mm] and an angle [°] by disc, such as {'core-1'"),
         (lambda: made.simulate(pump, weights=[("core-1", 5)]), "weights are an amount [g mm] and an angle [°] by disc"),
         (lambda: made.simulate(pump, weights={"core": (5, 0)}), "there is no disc 'core' for a trial weight; did you mean"),
-        (lambda: made.plot_trend([], "coupling.C1.kxx"), "a trend is drawn of a list of results, one at least"),
-        (lambda: made.plot_trend(result, "coupling.C1.kxx"), "a trend is drawn of a list of results, one at least"),
+        (lambda: made.plot_trend([], "coupling.C1.kxx"), "a trend is drawn of a list of results of identify"),
+        (lambda: made.plot_trend(result, "coupling.C1.kxx"), "a trend is drawn of a list of results of identify"),
+        (lambda: made.plot_trend([run], "coupling.C1.kxx"), "a trend is drawn of a list of results of identify"),
         (lambda: result.plot_bode("B1X"), "'B1X' is no channel"),
+        (lambda: made.Result.plot_orbit(result, "2980"), "an orbit is drawn at one speed [r/min], such as 2980.0, not '2980'"),
+        (lambda: result.plot_orbit(0.0), "an orbit is drawn at one speed [r/min], such as 2980.0, not 0.0"),
+        (lambda: made.Service(8080), "'8080' is no address of a service: it is written as http://localhost:8080"),
         (
             lambda: made.identify(pump, run, accepted_rpm=3),
             "accepted_rpm is 3: give the lowest and the highest speed",
@@ -409,3 +415,26 @@ def test_what_is_there_already_or_no_address_is_said(tmp_path: Path) -> None:
     assert "is there already: name another file" in invoked("init", str(tmp_path / "pump-12.yaml")).stderr
     assert "write protocol, host and port, such as tcp://" in invoked("worker", "nowhere").stderr
     assert "there is no file" in invoked("restore", str(tmp_path / "none.db")).stderr
+
+
+@pytest.mark.parametrize(
+    ("said", "instead", "words"),
+    [
+        ("phase_unit: deg", "phase_unit: rad", "are degrees and not radians: its sidecar should say phase_unit: deg"),
+        ("speed_unit: rpm", "speed_unit: herz", "run.csv: speed_unit 'herz' is not one of rpm, rad/s, Hz"),
+    ],
+)
+def test_a_wrong_unit_of_a_sidecar_is_named_with_its_file(
+    pump: Machine, tmp_path: Path, said: str, instead: str, words: str
+) -> None:
+    run = tmp_path / "run.csv"
+    assert CliRunner().invoke(app, ["sample", str(PUMP), str(run)]).exit_code == 0
+    sidecar = run.with_suffix(".yaml")
+    sidecar.write_text(sidecar.read_text().replace(said, instead))
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(run, machine=pump)
+    one_line(raised)
+    told = CliRunner().invoke(app, ["identify", str(PUMP), str(run)])
+    assert told.exit_code == 1
+    (line,) = told.output.splitlines()
+    assert words in line

@@ -8,7 +8,7 @@ doi:10.1103/PhysRev.40.207).
 """
 
 import numpy as np
-import scipy.special
+import scipy
 from msgspec import Struct
 
 from estimator.fit.optimisation.nuisance_parameters import effective_number_of

@@ -66,3 +66,8 @@ def test_a_rotation_s_days_have_bounds(database: Database, option: str) -> None:
 def test_a_hundred_years_are_not_too_long(database: Database) -> None:
     ended = CliRunner().invoke(app, ["key", "create", "a", "--role", "viewer", "--days", "36500", "--database", database.url])
     assert ended.exit_code == 0, ended.output
+
+
+def test_a_list_without_keys_says_how_the_first_is_made(database: Database) -> None:
+    ended = CliRunner().invoke(app, ["key", "list", "--database", database.url])
+    assert (ended.exit_code, ended.output) == (0, "no key was ever made; the first: rundown key create NAME --role admin\n")

@@ -5,6 +5,8 @@ The application and the ingest thread are the real ones over a real database; on
 
 import base64
 import hashlib
+import json
+import re
 import threading
 from collections.abc import Iterator
 from typing import Any, get_args
@@ -16,6 +18,7 @@ import zenoh
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 from sqlalchemy import text
 
+from formats.files.document_files import read_machine
 from formats.wire import (
     BINARY,
     ENCODINGS,
@@ -43,6 +46,7 @@ from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements import samples as sample_store
 from tests.api_in_process import Api
+from tests.paths import EXAMPLES, ROOT
 from tests.plant import KEY, SECOND, START, batch, machine, wait_until
 
 PATH = f"/api/v1/machines/{KEY.machine}/samples"
@@ -379,3 +383,13 @@ def test_the_metrics_show_the_parts_that_readiness_names(http: Http) -> None:
         assert shown == {name: int(words == "ok") for name, words in parts.items()}
         assert shown["database"] == 1
     assert shown["stream"] == 0
+
+
+def test_the_batch_that_the_page_for_integrators_prints_is_taken(http: Http) -> None:
+    document = read_machine(EXAMPLES / "motor-pump.yaml").model_dump(mode="json", exclude_none=True)
+    assert http.ask("POST", "/api/v1/machines", json=document).status_code == 201
+    page = (ROOT / "docs" / "integrators.md").read_text()
+    (printed,) = re.findall(r"^```json\n(\{\"schema\".*?)^```", page, re.MULTILINE | re.DOTALL)
+    path = "/api/v1/machines/motor-pump/samples"
+    answer = http.ask("POST", path, content=printed.encode(), headers={"content-type": JSON})
+    assert f"`{json.dumps(answer.json())}`" in page
