@@ -70,11 +70,12 @@ def trial(seed: int, *, worn: float = 0.0, named: bool = False) -> tuple[Floats,
     grown = np.array([worn * float(name == f"{WORN}.clearance") for name in COORDINATES.names])
     fits = []
     for run in range(BASELINE + 1):
-        theta = machine + drawn_variation(rng, COORDINATES) + (moved + grown if run == BASELINE else 0.0)
+        own = drawn_variation(rng, COORDINATES)
+        theta = machine + own + (moved + grown if run == BASELINE else 0.0)
         fits.append(fitted(theta, 2.0 * rng.standard_normal((ROWS, scale.size)) / scale, rng))
     alone = alignment_results(fits[-1])
     told = alignment_changes(fits[:-1], fits[-1], variation=VARIATION, causes=[("wear", WORN)] if named else ())
-    true = [one.slope @ (COORDINATES.unit * moved) for one in alone]
+    true = [one.slope @ (COORDINATES.unit * (moved + own)) for one in alone]  # slopes of elevations only
     return np.array(true), np.array([[one.value, one.error] for one in told]), np.array([one.error for one in alone])
 
 
