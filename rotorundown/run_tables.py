@@ -135,7 +135,7 @@ class RunTable(Struct, frozen=True, eq=False):
         )
         samples, taken, faults = to_samples(batch, machine, received_at=now())
         doubted = tuple(f"{name}, {words}" for words in _doubted_phases(channels, phase, units.phase))
-        rejected = (f"{name}, row {fault.index + 1} left out: {fault.detail}" for fault in faults)
+        rejected = (f"{name}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults)
         left_out = (*self._foreign(machine, name), *doubted, *rejected)
         if not np.any(taken):
             raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")

@@ -21,7 +21,7 @@ PLAIN = {"µm": "um", "g·mm": "g mm", "mrad": "urad"}
 """Units of figures as evidence has them."""
 DIRECT = re.compile(r"\.(kxx|kyy|cxx|cyy|k_phix|k_phiy|clearance|viscosity)$")
 """Names of parameters that are positive by nature, of which deviations are factors."""
-SCALES = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
+SCALES = {"m": ("um", 1e6), "rad": ("urad", 1e6), "N": ("N", 1.0)}
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,8 @@ def _trend_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
 
 
 def _alignment_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
-    for one in get(f"/machines/{machine}/alignment?identification={number}")["numbers"]:
+    found = get(f"/machines/{machine}/alignment?identification={number}")
+    for one in [*found["numbers"], *found["loads"]]:
         change = one["change"]
         if change is not None and change["value"] is not None:
             unit, factor = SCALES[one["unit"]]

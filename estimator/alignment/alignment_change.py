@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alignment.freed_coordinates import NamedCause
-from estimator.alignment.run_change import run_change
+from estimator.alignment.run_change import RunChange, run_change
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.updated_model.alignment_results import alignment_results
 from estimator.updated_model.derived_quantities import Derived, interval
@@ -64,14 +64,24 @@ def alignment_changes(
         ValueError: There is no baseline, or it is of another machine.
     """
     change = run_change(baseline, later, variation=variation, causes=causes)
-    if change is None:
-        return ()
+    return () if change is None else changed_alignment(change)
+
+
+def changed_alignment(change: RunChange) -> tuple[AlignmentChange, ...]:
+    """Derive the changes of offsets and angles from that of the coordinates (JCGM 100:2008, 5.2).
+
+    Args:
+        change: Change of the coordinates.
+
+    Returns:
+        The changes, as `alignment_changes` gives them.
+    """
     coordinates = change.coordinates
     found = []
     for one in alignment_results(change.later):
         row = one.slope * coordinates.unit
         known = float(np.linalg.norm(row * coordinates.spread))
-        changed, uncertain = float(row @ change.machine), float(standard_errors(row, change.machine_covariance))
+        changed, uncertain = float(row @ change.run), float(standard_errors(row, change.run_covariance))
         found.append(AlignmentChange(one.name, one.unit, changed, uncertain, known, one.undefined))
     return tuple(found)
 

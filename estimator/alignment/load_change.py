@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alignment.freed_coordinates import NamedCause
-from estimator.alignment.run_change import run_change
+from estimator.alignment.run_change import RunChange, run_change
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
@@ -31,11 +31,13 @@ class LoadChange:
         name: Name of the load, such as `bearing.B2.load_vertical`.
         value: By how much it is larger than in the baseline [N].
         error: Standard error of that [N].
+        before: The load in the baseline [N].
     """
 
     name: str
     value: float
     error: float
+    before: float
 
 
 def load_changes(
@@ -62,10 +64,21 @@ def load_changes(
         ValueError: There is no baseline, or it is of another machine.
     """
     change = run_change(baseline, later, variation=variation, causes=causes)
-    if change is None:
-        return ()
+    return () if change is None else changed_loads(change)
+
+
+def changed_loads(change: RunChange) -> tuple[LoadChange, ...]:
+    """Derive the changes of the loads from that of the coordinates (JCGM 100:2008, 5.2).
+
+    Args:
+        change: Change of the coordinates.
+
+    Returns:
+        The changes, as `load_changes` gives them; none of a train without equilibrium.
+    """
+    later = change.later
     speed = np.array([rpm_to_rad_per_s(reported_rpm(later.machine)[-1])])
-    placed_at = placed_films(change.later.coordinates_at(speed))
+    placed_at = placed_films(later.coordinates_at(speed))
     if placed_at is None:
         return ()
     placed, films = placed_at
@@ -82,6 +95,7 @@ def load_changes(
             name=f"bearing.{bearing.id}.load_{direction}",
             value=float(last.force[-1, number, axis] - first.force[-1, number, axis]),
             error=float(standard_errors(slopes[number, axis], covariance)),
+            before=float(first.force[-1, number, axis]),
         )
         for number, bearing in enumerate(later.machine.bearings)
         for direction, axis in AXES

@@ -4,7 +4,8 @@ Errors of clearances and of the films' deviations are alike in all runs of one m
 known better than either. All runs are taken together: each fit gives a Gaussian likelihood of its coordinates, which are the
 machine's, common to all, with a variation from run to run; the elevations of the later run have moved besides, its oil may
 be of another season, and what named causes have moved is another's (linear mixed model; Laird and Ware, Biometrics 38 (1982)
-963, doi:10.2307/2529876).
+963, doi:10.2307/2529876). The later run is told as it was: a micrometre by which its bearings stand otherwise than in the run
+before is a part of its alignment, and no error of it.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,7 +15,8 @@ import numpy as np
 
 from estimator.alignment.freed_coordinates import NamedCause, freed_directions
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation
-from estimator.alignment.run_likelihood import run_likelihood
+from estimator.alignment.run_likelihood import RunLikelihood, run_likelihood
+from estimator.alignment.season_of_run import season_of_run
 from estimator.arrays import Floats
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
@@ -23,6 +25,7 @@ from estimator.machine.film_parameter_names import unknown_forces, with_open_for
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel, model_at
+from estimator.updated_model.uncertainty import standard_errors
 
 NEGLIGIBLE = 1e-14
 """Variance of a direction, over the largest, that counts as none [-]."""
@@ -36,17 +39,14 @@ class RunChange:
         later: Model of the later run, in the coordinates that all runs have.
         coordinates: The coordinates.
         before: The machine in the baseline (n,) [-].
-        machine: Change (n,) of the machine: of its elevations, and of what named causes have moved [-].
-        machine_covariance: Covariance (n, n) of that [-].
-        run: Change (n,) of the later run, with what is of that run and its season alone [-].
+        run: Change (n,) of the later run: of its elevations, of what named causes have moved, and of what varies from run to
+            run and over the seasons [-].
         run_covariance: Covariance (n, n) of that [-].
     """
 
     later: UpdatedModel
     coordinates: Coordinates
     before: Floats
-    machine: Floats
-    machine_covariance: Floats
     run: Floats
     run_covariance: Floats
 
@@ -60,8 +60,9 @@ def run_change(
 ) -> RunChange | None:
     """Estimate by how much a later run's coordinates differ from a baseline's (linear mixed model; Laird and Ware 1982).
 
-    A change of each elevation is believed to be as large as the document says that the elevation may be off. Forces that not
-    all runs doubt alike are no coordinates here: what they leave open is in the others' covariance.
+    A change of each elevation is believed to be as large as the document says that the elevation may be off. How far the
+    season is another one is seen by the oil, in a first estimate. Forces that not all runs doubt alike are no coordinates:
+    what they leave open is in the others' covariance.
 
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine.
@@ -85,13 +86,32 @@ def run_change(
         return None
     chosen = learnt_variation(baseline) if variation is None else variation
     scales = coordinate_scales(coordinates, later.values)
-    varying, season = scales.between_runs(chosen), scales.over_seasons(chosen)
-    season[moving], season[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
-    size, freed = coordinates.size, freed_directions(coordinates, causes)
-    lasting = np.column_stack([np.eye(size)[:, moving] * coordinates.spread[moving], freed])
-    ways = np.column_stack([lasting, _columns(varying + season)])
+    varying = scales.between_runs(chosen)
     before = [run_likelihood(one).marginalised(varying) for one in baseline]
-    own = run_likelihood(later)
+    lasting = np.column_stack(
+        [np.eye(coordinates.size)[:, moving] * coordinates.spread[moving], freed_directions(coordinates, causes)]
+    )
+
+    def in_season(season: HealthyVariation) -> RunChange:
+        covariance = scales.over_seasons(season)
+        covariance[moving], covariance[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
+        return _estimated(before, later, coordinates, np.column_stack([lasting, _columns(varying + covariance)]))
+
+    found = in_season(chosen)
+    if not scales.oil.any():
+        return found
+    together = scales.oil / scales.oil.sum()
+    shift, error = float(together @ found.run), float(standard_errors(together, found.run_covariance))
+    return in_season(season_of_run(chosen, baseline, later, shift=shift, error=error))
+
+
+def _estimated(before: Sequence[RunLikelihood], later: UpdatedModel, coordinates: Coordinates, ways: Floats) -> RunChange:
+    """Estimate the machine and the change of a later run together.
+
+    before: likelihoods of the machine by the baseline's runs. ways: directions (n, w) of the change, each as long as its
+    standard deviation.
+    """
+    size, own = coordinates.size, run_likelihood(later)
     information = np.eye(size + ways.shape[1])
     information[:size, :size] = sum((one.information for one in before), own.information) + coordinates.prior.precision
     information[:size, size:], information[size:, :size] = own.information @ ways, ways.T @ own.information
@@ -100,13 +120,10 @@ def run_change(
     scale = np.sqrt(np.diag(information))
     covariance = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
     found = covariance @ vector
-    kept = slice(size, size + lasting.shape[1])
     return RunChange(
         later=later,
         coordinates=coordinates,
         before=coordinates.centre + found[:size],
-        machine=lasting @ found[kept],
-        machine_covariance=lasting @ covariance[kept, kept] @ lasting.T,
         run=ways @ found[size:],
         run_covariance=ways @ covariance[size:, size:] @ ways.T,
     )

@@ -1,12 +1,15 @@
 """Size of a change of a coupling's alignment, beside what is allowed: offset and angle, in µm and µrad.
 
-It is the change that `alignment_changes` tells against the baseline, with what all causes have moved free of the baseline's.
+It is the change that `alignment_changes` tells against the baseline, with what all causes have moved free of the baseline's;
+the bearings' loads that follow are those of `load_changes`.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.alignment_change import changed_alignment
+from estimator.alignment.load_change import LoadChange, changed_loads
+from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, allowed_alignment, tolerated_changes
 from estimator.diagnosis.equivalent_settlements import EquivalentSettlement, equivalent_settlements
 from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
@@ -19,6 +22,8 @@ MISALIGNMENT = "misalignment"
 """Kind of the causes that have such a size."""
 UNITS = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
 """Units that people reckon in: their ending of a quantity's name, and how many of them make the SI unit."""
+VERTICAL_LOAD = "load_vertical"
+"""Quantity of the loads that are told."""
 
 
 def alignment_size(
@@ -31,8 +36,8 @@ def alignment_size(
 ) -> ChangeSize:
     """Return by how much the alignment of a cause's coupling differs from the baseline's (Laird and Ware 1982).
 
-    Offset and angle in either plane, as far as they are determined, with their limits; and the bearings whose settlement would
-    be the same.
+    Offset and angle in either plane, as far as they are determined, with their limits; the bearings' vertical loads that have
+    changed; and the bearings whose settlement would be the same.
 
     Args:
         cause: The misalignment.
@@ -46,13 +51,18 @@ def alignment_size(
     """
     machine = newest.machine
     named = [(one.kind, one.element) for one in causes]
-    changes = alignment_changes(baseline, newest, variation=variation, causes=named)
-    own = [one for one in tolerated_changes(machine, changes) if describe(one.name).element == cause.element]
+    change = run_change(baseline, newest, variation=variation, causes=named)
+    if change is None:
+        return ChangeSize(None)
+    changes = tolerated_changes(machine, changed_alignment(change))
+    own = [one for one in changes if describe(one.name).element == cause.element]
     known = [one for one in own if one.value is not None]
     allowed = allowed_alignment(machine, describe(cause.element).element_id)
     quantities = {"allowed_at_rpm": allowed.rpm, **_numbers(known)}
     quantities |= {f"bearing.{one.bearing}.{one.plane}_um": _um(one) for one in equivalent_settlements(machine, cause)}
-    size = ChangeSize(None, quantities, parts=tuple(_figures(known)))
+    loads = [one for one in changed_loads(change) if describe(one.name).quantity == VERTICAL_LOAD and _has_moved(one)]
+    quantities |= {f"{one.name.removesuffix('_vertical')}_per_cent": 100.0 * one.value / abs(one.before) for one in loads}
+    size = ChangeSize(None, quantities, parts=(*_figures(known), *map(_load_figure, loads)))
     if not known:
         return size
     return replace(
@@ -80,6 +90,15 @@ def _figures(known: Sequence[ToleratedChange]) -> Iterator[SizePart]:
         value, half = factor * (one.value or 0.0), factor * one.half
         sigma = CONFIDENCE_95 * value / half if half > 0.0 else None
         yield SizePart(one.name, unit, value, value - half, value + half, sigma, factor * one.allowed)
+
+
+def _has_moved(one: LoadChange) -> bool:
+    return one.before != 0.0 and abs(one.value) > CONFIDENCE_95 * one.error
+
+
+def _load_figure(one: LoadChange) -> SizePart:
+    half = CONFIDENCE_95 * one.error
+    return SizePart(one.name, "N", one.value, one.value - half, one.value + half, one.value / one.error)
 
 
 def _um(one: EquivalentSettlement) -> float:

@@ -77,7 +77,10 @@ class HealthyVariation(Part):
     oil: Spread = Field(
         default=0.05, description="of the viscosity of all films together from run to run, relative [-]: some 2 K"
     )
-    viscosity: Spread = Field(default=0.01, description="of each film's viscosity by itself from run to run, relative [-]")
+    viscosity: Spread = Field(
+        default=0.003,
+        description="of each film's viscosity by itself from run to run, relative [-]: a part as over the seasons",
+    )
     unbalance: Spread = Field(default=0.03, description="of each unbalance from run to run, as a part of it [-]")
     elevation: VariedElevation = Field(default=1e-6, description="of each bearing from run to run, in each direction [m]")
     process_force: Spread = Field(

@@ -95,7 +95,7 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     if circumstances.kind == "dwells":
         recorded = replace(recorded, time=None)  # no sweep has gone through them
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
-    words = [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
+    words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults]
     return _ReadRun(recorded, measurement, circumstances, taken, [*words, *([f"{file}: {outside}"] if outside else [])])
 
 

@@ -48,3 +48,7 @@ class Fault(Struct, frozen=True):
     index: int
     reason: Reason
     detail: str
+
+    def of_row(self, *, kept: bool) -> str:
+        """Return the words on the row of a table that it was. kept: whether the rest of the row is taken."""
+        return f"row {self.index + 1} left out{' in part' if kept else ''}: {self.detail}"

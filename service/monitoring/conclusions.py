@@ -3,9 +3,8 @@
 `conclusions` is a pure function of the context, the assessment and the machine's present state; `apply` reads and writes.
 """
 
-import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,6 @@ from service.monitoring.assessment.context import (
 )
 from service.monitoring.context_loading import MonitoringState, diagnosed_kind
 from service.monitoring.finding_text import Statement
-from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import cause_severity
 from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, finding_rule
@@ -67,9 +65,8 @@ def apply(
     """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: the machine's present
     state."""
     forces = _forces(session, stored, assessment.diagnosis)
-    loads = _loads(session, stored, context, assessment.diagnosis)
     unknown = tuple(one.parameter for one in identifications.estimates(session, stored.id) if one.value is None)
-    found = conclusions(context, assessment, state, StoredNumbers(forces, loads, unknown))
+    found = conclusions(context, assessment, state, StoredNumbers(forces, unknown))
     if assessment.diagnosis is not None and found.statements is not None:
         diagnoses.add(
             session,
@@ -91,12 +88,10 @@ def apply(
 class StoredNumbers:
     """Numbers of an identification that are stored beside its fit.
 
-    forces: force by element [N], for those whose finding has one. loads: change of each bearing's vertical load against the
-    baseline, by bearing [%]. not_estimable: parameters that it does not determine.
+    forces: force by element [N], for those whose finding has one. not_estimable: parameters that it does not determine.
     """
 
     forces: Mapping[str, float | None]
-    loads: Mapping[str, float]
     not_estimable: tuple[str, ...]
 
 
@@ -125,37 +120,17 @@ def _forces(session: Session, stored: IdentificationRow, diagnosis: MachineDiagn
     return {element: derived.value(session, stored.id, f"{element}.{force}") for element, force in named.items()}
 
 
-def _loads(
-    session: Session, stored: IdentificationRow, context: AssessmentContext, diagnosis: MachineDiagnosis | None
-) -> Mapping[str, float]:
-    """Read by how much the vertical load of each bearing differs from the baseline's mean [%]: of couplings on oil films."""
-    if diagnosis is None or all(one.size.tolerance_per_cent is None for one in diagnosis.causes):
-        return {}
-    names = {one.id: f"bearing.{one.id}.load_vertical" for one in context.machine.bearings}
-    rows = derived.several(session, [stored.id, *(run.id for run in context.baseline)], names.values())
-    values = {key: row.value for key, row in rows.items()}
-    found = {}
-    for bearing, name in names.items():
-        now = values.get((stored.id, name))
-        before = [one for run in context.baseline if (one := values.get((run.id, name))) is not None]
-        if now is not None and before and (mean := statistics.fmean(before)) != 0.0:
-            found[f"bearing.{bearing}.load_per_cent"] = 100.0 * (now - mean) / abs(mean)
-    return found
-
-
 _OpenAlerts = Mapping[tuple[str, str], AlertRow]
 """Open alerts by rule and element."""
 
 
 def _statement(found: DiagnosedCause, diagnosis: MachineDiagnosis, numbers: StoredNumbers, opened: _OpenAlerts) -> Statement:
-    cause, size = found.cause, found.size
-    if finding_rule(cause.kind).rule is MISALIGNMENT and numbers.loads:
-        size = replace(size, quantities={**size.quantities, **numbers.loads})
+    cause = found.cause
     since, first = _first_run_of(found, opened)
     return Statement(
         cause=cause,
         runners_up=found.runners_up,
-        size=size,
+        size=found.size,
         since=since,
         first_identification=first,
         force=None if finding_rule(cause.kind).force is None else numbers.forces[cause.element],

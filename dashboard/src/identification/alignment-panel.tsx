@@ -7,7 +7,7 @@ import { useResource } from "../data/resource";
 import { number, scaleOf } from "../format/numbers";
 import { stored, t, term } from "../messages/messages";
 import type { Identification } from "../schemas/identifications";
-import type { Alignment, AlignmentNumber, AlignmentTarget, Determined } from "../schemas/model";
+import type { Alignment, AlignmentNumber, AlignmentTarget, Determined, LoadNumber } from "../schemas/model";
 
 const QUANTITIES: Record<string, string> = {
   offset_vertical: t("offsetVertical"),
@@ -15,6 +15,7 @@ const QUANTITIES: Record<string, string> = {
   angle_vertical: t("angleVertical"),
   angle_horizontal: t("angleHorizontal"),
 };
+const LOADS: Record<string, string> = { load_vertical: t("loadVertical"), load_horizontal: t("loadHorizontal") };
 const ALIGNMENT = /^coupling\..+\.offset_vertical$/;
 
 /** Nothing where the identification tells of no alignment. */
@@ -29,6 +30,7 @@ export function AlignmentPanel({ found }: { found: Identification }) {
           <>
             <p class="muted">{alignment.missing ? t("noChangeAgainstABaseline", { missing: stored(alignment.missing) }) : baselineText(alignment)}</p>
             <Numbers numbers={alignment.numbers} />
+            {alignment.loads.length > 0 && <Loads loads={alignment.loads} />}
           </>
         )}
       </Loaded>
@@ -73,6 +75,43 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
         </tbody>
       </table>
     </Scroll>
+  );
+}
+
+/** What the bearings carried in the baseline, and by how much that has changed with the alignment. */
+function Loads({ loads }: { loads: LoadNumber[] }) {
+  return (
+    <Scroll label={t("table")}>
+      <table>
+        <thead>
+          <tr>
+            <th>{t("bearing")}</th>
+            <th>{t("quantity")}</th>
+            <th class="number">{t("before")}</th>
+            <th class="number">{t("change")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {loads.map((one) => (
+            <tr key={one.name}>
+              <td>{one.bearing}</td>
+              <th scope="row">{LOADS[one.quantity] ?? one.quantity}</th>
+              <td class="number">{number(one.before)} {one.unit}</td>
+              <LoadCell load={one} />
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </Scroll>
+  );
+}
+
+function LoadCell({ load: { change, change_per_cent, unit } }: { load: LoadNumber }) {
+  const part = change_per_cent === null ? "" : ` (${number(change_per_cent)} %)`;
+  return (
+    <td class="number">
+      {number(change.value)} {unit}{part} <small class="muted">{`${number(change.lower)} … ${number(change.upper)}`}</small>
+    </td>
   );
 }
 

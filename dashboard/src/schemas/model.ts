@@ -120,8 +120,21 @@ export interface AlignmentTarget {
   beyond: number | null;
 }
 
+/** Load on a bearing's oil film against the baseline, in newtons. */
+export interface LoadNumber {
+  name: string;
+  bearing: string;
+  quantity: string;
+  unit: string;
+  before: number;
+  change: Determined;
+  change_per_cent: number | null;
+}
+
 export interface Alignment {
   missing: string | null;
   baseline: { identifications: number[] };
   numbers: AlignmentNumber[];
+  /** Changes of loads that belong to those of the alignment; none without a baseline. */
+  loads: LoadNumber[];
 }

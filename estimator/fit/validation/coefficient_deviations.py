@@ -44,14 +44,16 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
 
     @classmethod
     def of(
-        cls, problem: FitProblem, found: FitResult, covariance: Floats, *, shapes: DeviationShapes, owners: Owners, at: Floats
+        cls, problem: FitProblem, found: FitResult, *, shapes: DeviationShapes, owners: Owners, at: Floats
     ) -> "CoefficientDeviations":
         """Linearise a fit in the deviations of its coefficients.
+
+        The coordinates take away nearly all that the data say of deviations, so that both are weighted alike: beside a fit's
+        own information, of a pass whose noise differed by a ten-thousandth, what is left could be less than none.
 
         Args:
             problem: The fit's problem, with the noise and the outliers of its end.
             found: The fit.
-            covariance: Covariance (n, n) of the fit coordinates without deviations [-].
             shapes: Shapes over speed of each deviation.
             owners: Number of each coefficient's deviation (K,); -1 where it has none.
             at: Deviation of each coordinate's own quantity per unit of each shape (n, D) [-].
@@ -59,9 +61,12 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
         Returns:
             The deviations.
         """
-        own, mixed, slope, gradient = _information(problem, found.theta, shapes, owners)
-        gradient -= problem.coordinates.prior.pull(found.theta)
-        answer = -covariance @ mixed
+        prior = problem.coordinates.prior
+        own, mixed, of_fit, slope, gradient = _information(problem, found.theta, shapes, owners)
+        gradient -= prior.pull(found.theta)
+        of_fit += prior.precision
+        scale = np.sqrt(np.diag(of_fit))
+        answer = -np.linalg.solve(of_fit / np.outer(scale, scale), mixed / scale[:, None]) / scale[:, None]
         return cls(own + mixed.T @ answer, slope + answer.T @ gradient, answer, at)
 
     def inflated(self, inflation: float) -> "CoefficientDeviations":
@@ -116,8 +121,14 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
     @cached_property
     def _spectrum(self) -> tuple[Floats, Floats]:
         """Return the information (D,) of independent deviations and the squares (D,) of their slopes."""
-        information, vectors = np.linalg.eigh(self.curvature)
-        return np.maximum(information, 0.0), (vectors.T @ self.slope) ** 2
+        information, vectors = self._independent
+        return information, (vectors.T @ self.slope) ** 2
+
+    @cached_property
+    def _independent(self) -> tuple[Floats, Floats]:
+        """Return the information (D,) of independent deviations, never less than none, and these (D, D) by column."""
+        information, vectors = np.linalg.eigh((self.curvature + self.curvature.T) / 2)
+        return np.maximum(information, 0.0), vectors
 
     @cached_property
     def _sizes(self) -> Floats:
@@ -140,23 +151,24 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
         Returns:
             Covariance (n, n) [-].
         """
-        open_part = np.linalg.inv(self.curvature + np.eye(self.slope.size) / size**2)
-        moved = self.answer + self.at
-        shift = moved @ (open_part @ self.slope)
-        return np.asarray(covariance + moved @ open_part @ moved.T + np.outer(shift, shift))
+        information, vectors = self._independent
+        variance = 1.0 / (information + size**-2)
+        moved = (self.answer + self.at) @ vectors
+        shift = moved @ (variance * (vectors.T @ self.slope))
+        return np.asarray(covariance + moved * variance @ moved.T + np.outer(shift, shift))
 
 
 def _information(
     problem: FitProblem, theta: Floats, shapes: DeviationShapes, owner: Owners
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), and ½ of the
-    derivative of -χ² by them (D,) and by the coordinates (n,)."""
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), that of these
+    (n, n), and ½ of the derivative of -χ² by the deviations (D,) and by the coordinates (n,)."""
     coordinates = problem.coordinates
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
     sizes = direct_sizes(problem, coordinates.coefficients(theta))
     count = (int(owner.max(initial=-1)) + 1) * shapes.weight.shape[1]
     own, mixed, slope = np.zeros((count, count)), np.zeros((theta.size, count)), np.zeros(count)
-    gradient = linearised_gaps(problem.gaps, theta)[1]
+    _, gradient, of_fit = linearised_gaps(problem.gaps, theta)
     for found in problem.linear_phasors(theta):
         block, by_coefficient = found.block, found.sensitivity.by_coefficient
         rows, residual = found.weighted(problem.measurement.phasor, weight)
@@ -168,9 +180,10 @@ def _information(
         deviations = (moved[:, None] * shape.T[:, :, None]).reshape(count, -1).view(float)
         own += deviations @ deviations.T
         mixed += rows @ deviations.T
+        of_fit += rows @ rows.T
         slope += deviations @ residual
         gradient += rows @ residual
-    return own, mixed, slope, gradient
+    return own, mixed, of_fit, slope, gradient
 
 
 def direct_sizes(problem: FitProblem, values: Floats) -> Floats:

@@ -78,7 +78,7 @@ def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condit
     Returns:
         The verdict.
     """
-    deviations = _deviations(problem, found, covariance)
+    deviations = _deviations(problem, found)
     size, evidence = deviations.likeliest()
     if evidence > SIGNIFICANT:
         ratio = f"twice the logarithm of the likelihood ratio {evidence:.3g}; {SIGNIFICANT:g} at most is noise"
@@ -108,13 +108,13 @@ def _form_alone_decides(problem: FitProblem) -> bool:
     return len(following) > 2 * len(problem.train.channels)
 
 
-def _deviations(problem: FitProblem, found: FitResult, covariance: Floats) -> CoefficientDeviations:
+def _deviations(problem: FitProblem, found: FitResult) -> CoefficientDeviations:
     final = with_fitted_noise(problem, found)
     knots = [one.speed for one in final.coordinates.parameters if one.speed is not None]
     speeds = np.concatenate([final.measurement.speed, knots])
     shapes = DeviationShapes(float(speeds.min()), float(speeds.max()))
     at = _at_own_speed(final, found.theta, shapes)
-    return CoefficientDeviations.of(final, found, covariance, shapes=shapes, owners=_owners(final), at=at)
+    return CoefficientDeviations.of(final, found, shapes=shapes, owners=_owners(final), at=at)
 
 
 def _owners(problem: FitProblem) -> Owners:

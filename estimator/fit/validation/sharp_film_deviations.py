@@ -54,7 +54,7 @@ def judge_sharp_deviations(
         return FormVerdict(covariance)
     final, owners = with_fitted_noise(problem, found), _owners(problem, placed, stated)
     size, evidence, length, deviations = max(
-        (_sought(final, found, covariance, owners, length, inflation) for length in LENGTHS), key=lambda one: one[1]
+        (_sought(final, found, owners, length, inflation) for length in LENGTHS), key=lambda one: one[1]
     )
     if evidence <= SIGNIFICANT:
         return FormVerdict(covariance)
@@ -68,13 +68,13 @@ def judge_sharp_deviations(
 
 
 def _sought(
-    problem: FitProblem, found: FitResult, covariance: Floats, owners: Owners, length: float, inflation: float
+    problem: FitProblem, found: FitResult, owners: Owners, length: float, inflation: float
 ) -> tuple[float, float, float, CoefficientDeviations]:
     """Return the likeliest size of deviations that stay alike over a length, its evidence, that length, and they."""
     speed = problem.measurement.speed
     shapes = DeviationShapes(float(speed.min()), float(speed.max()), length=length)
     nothing = np.zeros((found.theta.size, (int(owners.max()) + 1) * shapes.count))
-    deviations = CoefficientDeviations.of(problem, found, covariance, shapes=shapes, owners=owners, at=nothing)
+    deviations = CoefficientDeviations.of(problem, found, shapes=shapes, owners=owners, at=nothing)
     deviations = deviations.inflated(inflation)
     return (*deviations.likeliest(), length, deviations)
 

@@ -7,12 +7,16 @@ from typing import Literal
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
-from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.freed_coordinates import NamedCause
+from estimator.alignment.load_change import LoadChange, changed_loads
+from estimator.alignment.run_change import run_change
 from estimator.alignment.targets import TargetedAlignment, targeted_alignment
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
+from estimator.quantities import UNITS
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from service.api.conventions.dependencies import MachineId, database
 from service.api.conventions.problems import RESPONSES
@@ -64,10 +68,23 @@ class AlignmentTargetOut(BaseModel):
     beyond: float | None = Field(description="probability that the difference is larger; null where it is not determined")
 
 
+class LoadNumber(BaseModel):
+    """Load on a bearing's oil film at running speed, in one direction, against the baseline [N]."""
+
+    name: str = Field(description="such as bearing.B2.load_vertical, as in trends")
+    bearing: str
+    quantity: str = Field(description="vertical or horizontal load")
+    unit: str
+    before: float = Field(description="in the baseline, of all runs together")
+    change: Determined
+    change_per_cent: float | None = Field(description="of the load before; null where that is zero")
+
+
 class AlignmentOut(ComparedOut):
     """Alignment of all couplings of a train on oil films; no numbers where bearings are not described by their films."""
 
     numbers: list[AlignmentNumber]
+    loads: list[LoadNumber] = Field(description="changes of the bearings' loads that belong to those; none without a baseline")
 
 
 @router.get("/machines/{machine_id}/alignment", operation_id="read_alignment")
@@ -89,31 +106,37 @@ def read_alignment(request: Request, machine_id: MachineId, which: ChosenIdentif
         # Targets are those of today's document: an alignment may be left anew without another train.
         today = machines.document(session, machine_id)
     if not follows_films(read_identified(request, number).machine):
-        return AlignmentOut(**fields, numbers=[])
+        return AlignmentOut(**fields, numbers=[], loads=[])
 
     def read_baseline(_: Identified) -> list[Identified]:
         with database(request).reading() as reading:
             return [identified(reading, one) for one in baseline]
 
     compute = partial(_alignment, causes=causes)
-    _, (absolute, changes) = cached_result(request, number, ("alignment", baseline, causes), compute, given=read_baseline)
+    _, (absolute, changes, loads) = cached_result(
+        request, number, ("alignment", baseline, causes), compute, given=read_baseline
+    )
     if baseline and not changes:
         fields["missing"] = "the baseline was identified with other unknowns: identify its runs again"
     targets = targeted_alignment(today, absolute, kind) if follows_films(today) else ()
-    return AlignmentOut(**fields, numbers=list(_numbers(absolute, changes, {one.name: one for one in targets})))
+    numbers = list(_numbers(absolute, changes, {one.name: one for one in targets}))
+    return AlignmentOut(**fields, numbers=numbers, loads=[_load(one) for one in loads])
 
 
 def _alignment(
     one: Identified, baseline: list[Identified], causes: Sequence[NamedCause]
-) -> tuple[Quantities, tuple[ToleratedChange, ...]]:
-    """Return alignment and its changes, as the alert tells them; no changes without a baseline of the same unknowns.
+) -> tuple[Quantities, tuple[ToleratedChange, ...], tuple[LoadChange, ...]]:
+    """Return alignment, its changes and those of loads, as the alert tells them; no changes without a baseline of the same
+    unknowns.
 
     causes: those that the machine's diagnosis has named.
     """
     models = [each.model for each in baseline]
     comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
-    changes = tolerated_changes(one.machine, alignment_changes(models, one.model, causes=causes)) if comparable else ()
-    return alignment_quantities(one.model), changes
+    change = run_change(models, one.model, causes=causes) if comparable else None
+    if change is None:
+        return alignment_quantities(one.model), (), ()
+    return alignment_quantities(one.model), tolerated_changes(one.machine, changed_alignment(change)), changed_loads(change)
 
 
 def _numbers(
@@ -134,6 +157,21 @@ def _numbers(
             beyond=None if change is None or change.value is None else change.beyond,
             target=None if one.name not in targets else _targeted(targets[one.name]),
         )
+
+
+def _load(one: LoadChange) -> LoadNumber:
+    said, half = describe(one.name), CONFIDENCE_95 * one.error
+    change = Determined(value=one.value, lower=one.value - half, upper=one.value + half, reason=None)
+    part = 100.0 * one.value / abs(one.before) if one.before != 0.0 else None
+    return LoadNumber(
+        name=one.name,
+        bearing=said.element_id,
+        quantity=said.quantity,
+        unit=UNITS["force"],
+        before=one.before,
+        change=change,
+        change_per_cent=part,
+    )
 
 
 def _targeted(one: TargetedAlignment) -> AlignmentTargetOut:

@@ -57,10 +57,24 @@ WORN = "bearing.B2"
 """Bearing that wears in some trials."""
 
 
-def trial(seed: int, *, worn: float = 0.0, named: bool = False) -> tuple[Floats, Floats, Floats]:
+SEASONS = HealthyVariation(elevation=5e-6)
+"""Variation with seasons, whose oil is some 30 % thicker or thinner."""
+
+
+def drawn_season(rng: np.random.Generator, thicker: float) -> Floats:
+    """By how much coordinates differ in a season whose oil has a viscosity with another logarithm."""
+    part = abs(thicker) / SEASONS.slow_oil
+    own = {"viscosity": SEASONS.slow_viscosity, "clearance": SEASONS.slow_clearance}
+    quantities = [describe(name).quantity for name in COORDINATES.names]
+    common = thicker * np.array([one == "viscosity" for one in quantities])
+    return common + part * np.array([own.get(one, 0.0) for one in quantities]) * rng.standard_normal(COORDINATES.size)
+
+
+def trial(seed: int, *, worn: float = 0.0, named: bool = False, thicker: float | None = None) -> tuple[Floats, Floats, Floats]:
     """True changes (4,), told ones with their errors (4, 2), and errors of the alignment of the later run alone (4,).
 
-    worn: growth of a clearance's logarithm. named: whether it is told that the bearing is worn.
+    worn: growth of a clearance's logarithm. named: whether it is told that the bearing is worn. thicker: change of the
+    logarithm of all viscosities with the season; None without seasons.
     """
     rng = np.random.default_rng(seed)
     unbalances = np.array([describe(name).quantity == "unbalance" for name in COORDINATES.names])
@@ -68,13 +82,17 @@ def trial(seed: int, *, worn: float = 0.0, named: bool = False) -> tuple[Floats,
     machine = COORDINATES.centre + np.where(unbalances, 0.0, scale * rng.standard_normal(scale.size))
     moved = np.array([float("elevation" in name) for name in COORDINATES.names]) * rng.standard_normal(scale.size)
     grown = np.array([worn * float(name == f"{WORN}.clearance") for name in COORDINATES.names])
+    if thicker is not None:
+        grown = grown + drawn_season(rng, thicker)
+    variation = VARIATION if thicker is None else SEASONS
     fits = []
     for run in range(BASELINE + 1):
-        theta = machine + drawn_variation(rng, COORDINATES) + (moved + grown if run == BASELINE else 0.0)
+        own = drawn_variation(rng, COORDINATES)
+        theta = machine + own + (moved + grown if run == BASELINE else 0.0)
         fits.append(fitted(theta, 2.0 * rng.standard_normal((ROWS, scale.size)) / scale, rng))
     alone = alignment_results(fits[-1])
-    told = alignment_changes(fits[:-1], fits[-1], variation=VARIATION, causes=[("wear", WORN)] if named else ())
-    true = [one.slope @ (COORDINATES.unit * moved) for one in alone]
+    told = alignment_changes(fits[:-1], fits[-1], variation=variation, causes=[("wear", WORN)] if named else ())
+    true = [one.slope @ (COORDINATES.unit * (moved + own)) for one in alone]  # slopes of elevations only
     return np.array(true), np.array([[one.value, one.error] for one in told]), np.array([one.error for one in alone])
 
 
@@ -83,6 +101,27 @@ def test_changes_err_by_what_is_told() -> None:
     z = np.array([(told[:, 0] - true) / told[:, 1] for true, told, _ in trials])
     assert 0.85 < np.sqrt(np.mean(z**2)) < 1.15
     assert 0.9 < np.mean(np.abs(z) < 1.96) < 0.99
+
+
+@pytest.mark.parametrize("thicker", [0.0, 0.3, -0.9])
+def test_in_any_season_changes_err_by_what_is_told(thicker: float) -> None:
+    """In the baseline's, in another, and with an oil of less than half the viscosity that nobody has named."""
+    trials = [trial(seed, thicker=thicker) for seed in range(TRIALS)]
+    z = np.array([(told[:, 0] - true) / told[:, 1] for true, told, _ in trials])
+    assert 0.85 < np.sqrt(np.mean(z**2)) < 1.15
+
+
+def test_a_run_of_the_baselines_oil_is_known_better_than_one_of_another_season() -> None:
+    """Bearings differ by what the oil has changed: not at all, and by as much as the season's."""
+    seasons = SEASONS.model_copy(update={"slow_viscosity": 0.5, "slow_clearance": 0.5, "viscosity": 0.0})
+    rng = np.random.default_rng(5)
+    seen = 0.2 * rng.standard_normal((ROWS, COORDINATES.size)) / COORDINATES.spread
+    thicker = np.array([float(describe(name).quantity == "viscosity") for name in COORDINATES.names])
+    before, same, other = (
+        fitted(COORDINATES.centre + by * thicker, seen, np.random.default_rng(6)) for by in (0.0, 0.0, seasons.slow_oil)
+    )
+    near, far = (alignment_changes([before] * 6, one, variation=seasons) for one in (same, other))
+    assert all(one.error > 1.005 * less.error for one, less in zip(far, near, strict=True))
 
 
 def test_beside_a_worn_bearing_that_is_named_changes_err_by_what_is_told() -> None:

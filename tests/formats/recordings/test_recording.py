@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from formats.files.document_files import UnreadableFile
+from formats.recordings.recorded_runs import read_measurement
 from formats.recordings.recording import Sidecar, read_recording, read_sidecar, split, write_recording
 from formats.wire import Key, decode_batch, encode_batch, to_samples
 from tests.paths import DATA
@@ -221,6 +222,18 @@ def test_columns_may_be_gaps(tmp_path: Path) -> None:
     assert found.gap[:, 3] == pytest.approx([-9.5 / 4000.0, np.nan, -9.6 / 4000.0], nan_ok=True, abs=1e-10)
     for wrong in ({"channels": channels}, {"gap_unit": "V"}):
         assert "come together" in refused(write(tmp_path, **wrong))
+
+
+def test_a_gap_that_no_probe_sees_is_named_with_its_row_of_which_the_vibration_stays(tmp_path: Path) -> None:
+    """1200 µm, said to be mm."""
+    rows = [f"{row},{value}" for row, value in zip(ROWS, ("1.2", "1200", "1.2"), strict=True)]
+    channels = [{**sidecar()["channels"][0]}, {**sidecar()["channels"][1], "gap": "dc"}]
+    path = write(tmp_path, rows=tuple(rows), header=f"{HEADER},dc", channels=channels, gap_unit="mm")
+    pump = machine(probes=[{**probe, "gap_grows": "towards"} for probe in document()["probes"]])
+    measurement, left_out = read_measurement(pump, [path])
+    assert measurement.speed.size == 3
+    (said,) = left_out
+    assert said.startswith(f"{path}, row 2 left out in part: channel B3Y: a gap of 1200 mm is 1.2 m, at most 0.02 m")
 
 
 def test_columns_may_be_overall_levels(tmp_path: Path) -> None:

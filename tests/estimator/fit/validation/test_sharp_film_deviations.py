@@ -4,18 +4,23 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from msgspec import structs
 
+from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit import conclusion
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.form_discrepancy import FormVerdict
 from estimator.fit.validation.goodness_of_fit import VerdictRemark
+from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
 from estimator.machine.document import parse_machine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
+from tests.film_plant.misalignment import ONE_SUPPLY
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import random_plant
+from tests.film_plant.plants import random_plant, reference_plant
 from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
 from tests.film_plant.scores import film_truths, score
 
@@ -69,6 +74,28 @@ def test_films_of_any_bore_that_are_off_here_and_there_are_refused_or_have_inter
         if found.accepted:
             inside += score(found, film_truths(plant)).inside
     assert not inside or np.mean(inside) >= 0.85
+
+
+@pytest.mark.parametrize("part", [-3e-4, 3e-4])
+def test_noise_that_the_last_pass_has_changed_by_a_little_shows_no_deviations(
+    part: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fit's noise and its information are of two passes: on a rigid train this was called deviations of 100 %."""
+    judged: list[tuple[FitProblem, FitResult, Floats]] = []
+
+    def seen(problem: FitProblem, found: FitResult, covariance: Floats, **_: float) -> FormVerdict:
+        judged.append((problem, found, covariance))
+        return FormVerdict(covariance)
+
+    monkeypatch.setattr(conclusion, "judge_sharp_deviations", seen)
+    plant = reference_plant(1, "rigid", priors=ONE_SUPPLY)
+    identified(plant, 1)
+    ((problem, found, covariance),) = judged
+    channels = np.arange(len(problem.train.channels))
+    other = structs.replace(found, channel_noise=found.channel_noise * (1.0 + part * channels))
+    verdict = judge_sharp_deviations(problem, other, covariance)
+    assert verdict.words == ""
+    assert np.all(np.diag(verdict.covariance) >= np.diag(covariance))
 
 
 def test_they_are_wider_than_without_that_judgement(
