@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
-from estimator.machine.parameter_description import describe
 from service.alerts.advice_message import Urgency
 from service.alerts.lifecycle import Severity
 from service.wording.described_finding import DescribedFinding
@@ -64,7 +63,7 @@ def _size_words(finding: DescribedFinding, progress: Mapping[str, Any], unit: st
     newest = progress.get("newest")
     if newest is None:
         return ""
-    elements = {describe(one.name).element for one in finding.parts() if one.unit == "%"}
+    elements = finding.elements_in_per_cent()
     size = finding.evidence.get("per_cent")
     if size is None or len(elements) < 2:
         return finding.language.translate("urgent.newest", newest=float(newest), unit=unit)

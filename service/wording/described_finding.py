@@ -51,6 +51,10 @@ class DescribedFinding:
         for one in self.evidence.get("parts") or ():
             yield SizePart(**(one | {"members": tuple(one["members"])}))
 
+    def elements_in_per_cent(self) -> set[str]:
+        """Return the elements whose figures are in per cent."""
+        return {describe(one.name).element for one in self.parts() if one.unit == "%"}
+
     def runs_of(self, part: SizePart) -> int | None:
         """Return of how many of the newest runs a figure is the mean: loads and alignments are the newest one's."""
         if part.before is not None or self.of_films:
