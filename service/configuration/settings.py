@@ -233,7 +233,7 @@ WORDS = {
     "list_type": 'needs a list, in brackets, such as ["one", "two"]',
     "dict_type": 'needs names with values, in a file such as { name = "value" }',
 }
-"""Say what is said of a value of another kind, by pydantic's kind of error."""
+"""Words for a value of another kind, by pydantic's kind of error."""
 
 
 class SettingsWrong(ValueError):
