@@ -32,6 +32,7 @@ lint: $(VENV)/.installed
 # As an installed package is: where Python may not write its caches, each service started would compile all of it anew.
 compiled: $(VENV)/.installed
 	$(BIN)/python -m compileall -q -j 0 estimator formats rotorundown service storage tests benchmarks
+	$(BIN)/python -m tests.rewritten_assertions
 
 test: lint compiled
 	PYTEST_DEBUG_TEMPROOT=$(IN_MEMORY) $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser

@@ -42,6 +42,8 @@ FIRST = (
 
 One file of the browser's makes the store that all of them look at; the others come when it is there.
 """
+GARBAGE = (50_000, 20, 50)
+"""After how many new objects their garbage is looked for, and how rarely among older ones."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -67,11 +69,18 @@ def require_time_of_change(_mapper: object, _connection: object, row: AlertRow) 
     assert changed.updated_at.history.has_changes() or not changed.evidence.history.has_changes(), "evidence without its time"
 
 
+def pytest_sessionstart() -> None:
+    """Look for no garbage while tests are imported: what they import stays."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
     """Keep what has been imported out of garbage collection: to look through it for garbage again and again takes a twentieth
-    of the time."""
+    of the time, and to look after every 700 new objects as much again."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*GARBAGE)
+    gc.enable()
 
 
 @pytest.fixture(scope="session")

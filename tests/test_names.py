@@ -1,6 +1,7 @@
 """Names: a class or type alias stands for one thing in the packages and the benchmarks, a function has a word of the trade."""
 
 import ast
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 
@@ -14,6 +15,11 @@ ails anew befalls doubt happen hasten heard lest letter noted news said say some
 """
 DIALECT = frozenset(_DIALECT.split())
 """Words of no trade, instead of report, send, describe, translate, record, change, event, reason, mail."""
+TYPE_DIALECT = DIALECT - {"doubt", "news"} | {"apart", "beginnings", "came", "happened", "learnt", "lent"}
+"""The same in names of classes and modules."""
+WORD = re.compile("[A-Z]?[a-z0-9]+")
+API_NAMES = {"ToldCause", "Happened"}
+"""Classes whose names the API's document holds."""
 
 
 def type_names(source: str) -> Iterator[tuple[str, int]]:
@@ -81,6 +87,23 @@ def test_functions_are_called_by_words_of_the_trade() -> None:
     paths = [path for package in PACKAGES[:-1] for path in sorted((ROOT / package).rglob("*.py"))]
     assert len(paths) > 500
     assert {path.relative_to(ROOT).as_posix(): found for path in paths if (found := dialect(path.read_text()))} == {}
+
+
+def type_dialect(module: str, source: str) -> list[str]:
+    """Return those of the names of a module, its classes and its type aliases that hold a word of no trade."""
+    names = [module, *(name for name, _ in type_names(source))]
+    return [one for one in names if TYPE_DIALECT & {word.lower() for word in WORD.findall(one)}]
+
+
+def test_classes_and_modules_are_called_by_words_of_the_trade() -> None:
+    paths = [path for package in PACKAGES[:-1] for path in sorted((ROOT / package).rglob("*.py"))]
+    found = {(path.stem, name) for path in paths for name in type_dialect(path.stem, path.read_text())}
+    assert {name for _, name in found} == API_NAMES, found
+
+
+def test_a_word_of_no_trade_is_seen_in_types_and_modules() -> None:
+    source = "AsItCame = tuple[str, int]\n\nclass _Beginnings: ...\n\nclass Somewhere: ...\n"
+    assert sorted(type_dialect("lent_threads", source)) == ["AsItCame", "_Beginnings", "lent_threads"]
 
 
 def test_a_word_of_no_trade_is_seen() -> None:

@@ -22,6 +22,7 @@ BOUNDS = {"finding": 2, "channel": 2, "bearing model": 2, "resource": 5}
 LANGUAGES = ("tests/service/wording/test_language.py", "tests/service/test_dashboard_messages.py")
 CHECKS = {"finding": LANGUAGES, "channel": LANGUAGES, "resource": ("tests/service/http/test_error_categories.py",)}
 """Tests that must pass with it: of the languages of the service and of the page, of where missing objects are listed."""
+PYTEST = ["-q", "-p", "no:cacheprovider", "--import-mode=importlib"]
 
 
 class Copy:
@@ -64,12 +65,12 @@ class Copy:
         )
         assert done.returncode == 0, done.stdout + done.stderr
 
-    def check(self, tests: tuple[str, ...]) -> None:
-        """Run files of tests on the copy."""
+    def bring(self, tests: tuple[str, ...]) -> str:
+        """Copy files of tests; return a script that runs them, in the process that has loaded the service."""
         for file in tests:
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(ROOT / file, self.folder / file)
-        self.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *tests)
+        return f"import pytest\nraise SystemExit(pytest.main({[*PYTEST, *tests]}))\n" if tests else ""
 
 
 DECLARATIONS = f"""
@@ -409,9 +410,7 @@ def test_one_more_takes_few_files_and_works(copy: Copy, what: str, add: Callable
     script = add(copy)
     assert len(copy.touched) <= BOUNDS[what], copy.touched
     place = f"import estimator, service, storage\nassert estimator.__file__.startswith({str(copy.folder)!r})\n"
-    copy.run("-c", place + script + DECLARATIONS)
-    if what in CHECKS:
-        copy.check(CHECKS[what])
+    copy.run("-c", place + script + DECLARATIONS + copy.bring(CHECKS.get(what, ())))
 
 
 @pytest.mark.parametrize(

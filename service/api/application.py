@@ -20,12 +20,12 @@ from service.api.alerts.subscriptions import SendTest
 from service.api.alerts.subscriptions import router as subscriptions
 from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
-from service.api.cache.known_requests import AnsweredAtOnce
+from service.api.cache.known_requests import ResponseCacheMiddleware
 from service.api.cache.model_process import AT_ONCE, ModelProcess
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.changes_in_turn import HeldPlaces, wait_for_turn
 from service.api.conventions.error_handlers import add_handlers
-from service.api.conventions.lent_threads import another_thread
+from service.api.conventions.extra_threads import another_thread
 from service.api.conventions.request_places import READERS, WRITERS, RequestPlaces
 from service.api.conventions.unknown_parameters import reject_unknown_parameters
 from service.api.findings.alignment import router as alignment
@@ -73,10 +73,10 @@ from service.api.trends.routes import router as trends
 from service.configuration.settings import DEFAULT_BASELINE_RUNS
 from service.delivery.addresses import Network
 from service.delivery.signing_secrets import SigningSecrets
-from service.http.beginnings import Beginnings
 from service.http.body_limit import BodyLimit
 from service.http.compression import Compression
 from service.http.conditional_get import ConditionalGet
+from service.http.fair_scheduling import FairScheduling
 from service.http.head_requests import HeadRequests
 from service.http.idempotency import Idempotency
 from service.http.security_headers import SecurityHeaders
@@ -192,7 +192,7 @@ def application(
     _handle_answers(app, database)
     _guard(app, database, security or Security())
     app.add_middleware(HeadRequests)  # around the guard, which knows each operation by its own method
-    app.add_middleware(Beginnings, at_once={f"{PREFIX}/alive"})
+    app.add_middleware(FairScheduling, at_once={f"{PREFIX}/alive"})
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app
 
@@ -203,7 +203,7 @@ def _handle_answers(app: FastAPI, database: Database) -> None:
     app.add_middleware(HeldPlaces)
     app.add_middleware(BodyLimit)
     app.add_middleware(Compression)
-    app.add_middleware(AnsweredAtOnce, cached=app.state.response_cache.current)
+    app.add_middleware(ResponseCacheMiddleware, cached=app.state.response_cache.current)
     app.add_middleware(ConditionalGet)
 
 

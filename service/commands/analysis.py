@@ -13,7 +13,7 @@ from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
 from service.commands.file_arguments import MachineFile, RunFiles, named_file, named_files
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, print_text, working
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def identify_offline(
     slow_roll: Annotated[
         str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
     ] = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
@@ -160,7 +160,7 @@ def model(
         float | None, typer.Option(min=1e-3, help="speed at which it works; by default the range's end")
     ] = None,
     grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Identify a machine from recorded runs and print the results of the updated model.
 
@@ -224,7 +224,7 @@ def compare(
     baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine", callback=named_file)],
     files: RunFiles,
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
     import threadpoolctl
@@ -258,7 +258,7 @@ def show_slow_roll(
     file: Annotated[Path, typer.Argument(help="recorded run, as for replay", callback=named_file)],
     band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
     sidecar: OtherSidecar = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     from estimator.phasors.measurement import joined

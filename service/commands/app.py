@@ -26,7 +26,7 @@ from service.commands.exit import fail
 from service.commands.file_arguments import MachineFile, named_file
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.keys import audit_app, key_app
 from service.commands.report import report
 from service.commands.retention import retention_app
@@ -134,7 +134,7 @@ def doctor(
     exposed: Annotated[
         bool, typer.Option("--exposed", help="list instead what somebody on the network could reach, and why")
     ] = False,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Check a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
 
@@ -327,7 +327,7 @@ def sample(
         list[str] | None,
         typer.Option(help="trial weight that is on: DISC=AMOUNT,ANGLE in g mm and °, such as core=2000,90"),
     ] = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
     from formats.files.document_files import UnreadableFile
@@ -376,7 +376,7 @@ app.command("balance")(balance_machine)
 def demo(
     leave: Annotated[bool, typer.Option("--exit", help="stop after the summary; status 0 only if it came out right")] = False,
     port: Annotated[int, typer.Option(help="port of the REST API; 0 takes a free one")] = 0,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Demonstrate the service from end to end: three simulated machines, one of them going out of alignment."""
     from service.commands import demo as demonstration

@@ -14,7 +14,7 @@ from estimator.balancing.criterion import Criterion
 from service.commands.exit import fail
 from service.commands.file_arguments import MachineFile, named_file, named_files
 from service.commands.find_language import find_language
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, print_text, working
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def balance_machine(
     ] = False,
     page: Annotated[Path | None, typer.Option(help="HTML file for one printed page with vector plots")] = None,
     locale: Annotated[str, typer.Option(help="language of the page, en or de")] = "en",
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Compute correction weights from an initial run and trial runs, without a service, and judge a check run.
 

@@ -7,7 +7,7 @@ import typer
 
 from service.commands.exit import fail
 from service.commands.file_arguments import named_file, named_files, written_beside
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, print_text, working
 
 
@@ -23,7 +23,7 @@ def calibrate(
         Path | None, typer.Option(help="calibrated document to write; by default the document's name with -calibrated")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of the random starts")] = 0,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Calibrate a machine from runs with known unbalances, and write the document that later fits start from.
 

@@ -9,7 +9,7 @@ import typer
 
 from service.commands.exit import fail
 from service.commands.file_arguments import MachineFile, named_files
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, print_text, working
 
 TEMPLATE = "first_machine.yaml"
@@ -39,7 +39,7 @@ def check(
     runs: Annotated[
         list[Path] | None, typer.Argument(help="recorded runs of this machine, as for replay", callback=named_files)
     ] = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Check a machine document, and recorded runs against it: what they hold, and what is probably a mistake.
 

@@ -15,7 +15,7 @@ from pydantic import BaseModel
 
 from service.commands.terminal import print_text
 
-JsonWanted = Annotated[bool, typer.Option("--json", help="print the result as JSON, for a program")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print the result as JSON, for a program")]
 
 
 def print_json(content: Any) -> None:

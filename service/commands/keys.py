@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from estimator.field_types import Identifier
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
 from service.security.role import Role
 
@@ -41,7 +41,7 @@ def create_key(
     plant: Annotated[list[str] | None, typer.Option(help="only for this plant; may be given again; by default all")] = None,
     days: KeyDays = A_YEAR,
     database: DatabaseOption = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Make a key and print it; it is not shown again."""
     from service.security import api_keys
@@ -68,7 +68,7 @@ def create_key(
 
 
 @key_app.command("list")
-def list_keys(database: DatabaseOption = None, as_json: JsonWanted = False) -> None:
+def list_keys(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
     """List all keys ever made, without their secrets."""
     from storage.clock import now
     from storage.operation import api_keys as keys
@@ -96,7 +96,7 @@ def rotate_key(
     overlap_days: Annotated[float, typer.Option(help="how long the old one is good beside the new one")] = 7.0,
     days: KeyDays = A_YEAR,
     database: DatabaseOption = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Replace a key by a new one, and print it."""
     from service.security import api_keys
@@ -124,7 +124,7 @@ def confirm_key(
     prefix: Annotated[list[str] | None, typer.Argument(help="as `rundown key list` shows it")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="every key that waits")] = False,
     database: DatabaseOption = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Reactivate keys that a restore brought back and that may have been revoked since the backup."""
     from service.security import api_keys
@@ -152,7 +152,7 @@ def confirm_key(
 
 
 @key_app.command("revoke")
-def revoke_key(prefix: Prefix, database: DatabaseOption = None, as_json: JsonWanted = False) -> None:
+def revoke_key(prefix: Prefix, database: DatabaseOption = None, as_json: JsonOption = False) -> None:
     """Revoke a key; it stops working within seconds."""
     from service.security import api_keys
     from storage.operation.api_keys import KeyUnknown
@@ -179,7 +179,7 @@ def verify_audit(
         typer.Option(errors="replace", help="log of the service, for the notes in it; - is standard input"),
     ] = None,
     database: DatabaseOption = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Check that no entry was changed, removed or moved. Prints the newest number and hash: note them elsewhere.
 

@@ -8,7 +8,7 @@ import typer
 
 from service.commands.exit import fail
 from service.commands.find_language import find_language
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.storage import DatabaseUrl, database_url
 from service.commands.terminal import print_line, working
 
@@ -20,7 +20,7 @@ def report(
     end: Annotated[datetime | None, typer.Option("--to", help="UTC; by default now")] = None,
     locale: Annotated[str | None, typer.Option(help="language, en or de; by default the setting RUNDOWN_LOCALE")] = None,
     database: DatabaseUrl = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a machine's report as PDF: findings and what to do, trends, plots, alignment, balance, history."""
     from service.advice.site_texts import read_texts

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def _retention() -> None:
 def confirm(
     yes: Annotated[bool, typer.Option("--yes", help="do not ask")] = False,
     database: Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")] = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Show which old samples are due for deletion by this machine's clock and the service's settings, and confirm it.
 

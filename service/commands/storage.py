@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, print_json
+from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
 from service.configuration.settings import SettingsWrong, settings_of
 
@@ -16,7 +16,7 @@ DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by defaul
 def backup(
     file: Annotated[Path, typer.Argument(help="file to write; FILE.json beside it says what it is")],
     database: DatabaseUrl = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Copy the database as of one moment, while the service runs."""
     from storage.backup import backup as backups
@@ -41,7 +41,7 @@ def restore(
     without_keys: Annotated[
         bool, typer.Option("--without-keys", help="though the backup has no API key: nobody is asked who they are")
     ] = False,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Replace the database by a backup, while no service runs."""
     from storage.backup import backup as backups
@@ -77,7 +77,7 @@ def restore(
 def move(
     source: Annotated[str, typer.Argument(metavar="FROM_URL", help="database with the data")],
     target: Annotated[str, typer.Argument(metavar="TO_URL", help="a new database, SQLite or PostgreSQL")],
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Copy all data into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
     from sqlalchemy.exc import DBAPIError
@@ -109,7 +109,7 @@ def export(
     machine: Annotated[str, typer.Argument(help="id of the machine")],
     folder: Annotated[Path, typer.Argument(help="new or empty folder")],
     database: DatabaseUrl = None,
-    as_json: JsonWanted = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a machine's history as CSV and Parquet; columns.json explains each column.
 

@@ -103,15 +103,17 @@ const requests = {
     async watch({ nodes }) {
         const items = nodes.map((nodeId) => ({ nodeId, attributeId: AttributeIds.Value }));
         const group = await subscription.monitorItems(items, { samplingInterval: 0, queueSize: 10, discardOldest: true }, TimestampsToReturn.Both);
-        group.on("changed", (item, value) => say({ told: "value", node: item.itemToMonitor.nodeId.toString(), ...reading(value) }));
+        const own = client;
+        group.on("changed", (item, value) => client === own && say({ told: "value", node: item.itemToMonitor.nodeId.toString(), ...reading(value) }));
         return group.monitoredItems.map((one) => one.statusCode.name);
     },
     async listen({ node }) {
         const filter = opcua.constructEventFilter(FIELDS, opcua.ofType("AcknowledgeableConditionType"));
         const item = await subscription.monitor(
             { nodeId: node, attributeId: AttributeIds.EventNotifier }, { samplingInterval: 0, queueSize: 1000, filter }, TimestampsToReturn.Both);
+        const own = client;
         item.on("changed", (values) => {
-            say({ told: "event", ...Object.fromEntries(FIELDS.map((name, index) => [name, plain(values[index].value)])) });
+            if (client === own) say({ told: "event", ...Object.fromEntries(FIELDS.map((name, index) => [name, plain(values[index].value)])) });
         });
         listening = item.monitoredItemId;
         return item.statusCode.name;
@@ -169,30 +171,44 @@ const requests = {
     },
 };
 
-async function main() {
-    const lines = readline.createInterface({ input: process.stdin })[Symbol.asyncIterator]();
+// Serve one connection until the line that ends it; a line after that begins another one, without loading the library again.
+async function serve(how, lines) {
     try {
-        await connect(JSON.parse((await lines.next()).value));
+        await connect(how);
     } catch (error) {
+        await client?.disconnect().catch(() => {});
         say({ refused: String(error.message) });
-        process.exit(1);
+        return;
     }
-    client.on("close", () => say({ told: "closed" }));
-    client.on("after_reconnection", () => say({ told: "reconnected" }));
-    session.on("session_closed", () => say({ told: "closed" }));
+    const own = client;
+    const tell = (what) => () => { if (client === own) say({ told: what }); };
+    client.on("close", tell("closed"));
+    client.on("after_reconnection", tell("reconnected"));
+    session.on("session_closed", tell("closed"));
     say({ connected: true });
     for (;;) {
         const line = await lines.next();
-        if (line.done) break;
+        if (line.done) return;
         const { number, request, ...rest } = JSON.parse(line.value);
+        if (request === "end") break;
         try {
             say({ number, answer: await requests[request](rest) });
         } catch (error) {
             say({ number, failed: String(error.message) });
         }
     }
-    await client.disconnect();
-    process.exit(0);
+    client = undefined;
+    await own.disconnect();
+    say({ ended: true });
+}
+
+async function main() {
+    const lines = readline.createInterface({ input: process.stdin })[Symbol.asyncIterator]();
+    for (;;) {
+        const line = await lines.next();
+        if (line.done) process.exit(0);
+        await serve(JSON.parse(line.value), lines);
+    }
 }
 
 main();

@@ -20,7 +20,7 @@ CHOOSING = frozenset({b"accept", b"accept-encoding", b"accept-language"})
 
 ResponseKey = tuple[str, bytes, str | None, bool, Hashable, frozenset[str] | None]
 """Key of a response: path, query, Accept header, whether it is compressed, what else it depends on, the client's plants."""
-AsItCame = tuple[str, bytes, tuple[tuple[bytes, bytes], ...], frozenset[str] | None]
+RequestKey = tuple[str, bytes, tuple[tuple[bytes, bytes], ...], frozenset[str] | None]
 """A request: path, query, the headers by which it chooses, and the plants of who asks."""
 
 
@@ -42,11 +42,11 @@ class KnownRequests:
     """Requests that were answered, by how they came, and what they ask for; the newest are kept."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[AsItCame, CachedRequest] = OrderedDict()
+        self._known: OrderedDict[RequestKey, CachedRequest] = OrderedDict()
 
     def learn(self, scope: Scope, request: CachedRequest) -> None:
         """Note what a request asks for."""
-        came = _as_it_came(scope)
+        came = _request_key(scope)
         if len(came[0]) + len(came[1]) + sum(len(value) for _, value in came[2]) > LONGEST_BYTES:
             return
         self._known[came] = request
@@ -56,7 +56,7 @@ class KnownRequests:
 
     def find(self, scope: Scope) -> CachedRequest | None:
         """Return what a request asks for; None where that is not known."""
-        came = _as_it_came(scope)
+        came = _request_key(scope)
         found = self._known.get(came)
         if found is None or time.monotonic() >= found.until:
             return None
@@ -64,12 +64,12 @@ class KnownRequests:
         return found
 
 
-def _as_it_came(scope: Scope) -> AsItCame:
+def _request_key(scope: Scope) -> RequestKey:
     chosen = tuple([one for one in scope["headers"] if one[0] in CHOOSING])
     return scope["path"], scope["query_string"], chosen, scope["state"]["principal"].plants
 
 
-class AnsweredAtOnce:
+class ResponseCacheMiddleware:
     """ASGI middleware behind the guard that answers from the cache. Where requests are traced, each goes its whole way."""
 
     def __init__(self, app: ASGIApp, cached: Callable[[Scope], Response | None]) -> None:

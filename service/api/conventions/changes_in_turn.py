@@ -14,7 +14,7 @@ from fastapi import Request
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from service.api.conventions.dependencies import principal
-from service.api.conventions.lent_threads import another_thread
+from service.api.conventions.extra_threads import another_thread
 from service.api.conventions.request_places import RequestPlaces
 
 READING = frozenset({"GET", "HEAD", "OPTIONS"})

@@ -22,7 +22,7 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 ColumnContents = Sequence[Any]
 
 
-def asked_format(request: Request, chosen: Format | None) -> Format:
+def negotiated_format(request: Request, chosen: Format | None) -> Format:
     """Return the requested format, by default JSON. Raises HTTPException 406 when the client accepts none of them.
 
     Source: RFC 9110 §12.5.1, without parameters other than q.

@@ -25,8 +25,8 @@ from estimator.updated_model.coupling_loads import CouplingForce, coupling_force
 from estimator.updated_model.modal_uncertainty import critical_speed_errors, modes_at, natural_frequency_errors
 from estimator.updated_model.uncertainty import PhasorBand
 from service.api.cache.computed_cache import ComputedCache
-from service.api.cache.computing_apart import caller_of, has_gone
 from service.api.cache.model_process import ModelProcess, is_long
+from service.api.cache.worker_computation import caller_of, has_gone
 from service.api.conventions.dependencies import Number, database
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.units import UnitChoice, Units, column

@@ -19,8 +19,8 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
-from service.api.cache.computing_apart import computed_apart
 from service.api.cache.model_process import ModelProcess
+from service.api.cache.worker_computation import compute_in_worker
 from service.api.conventions.changes_in_turn import change_place, takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.paging import ById
@@ -132,7 +132,7 @@ def compute_correction(
             task = _task(reading, balancings.get(reading, machine_id, balancing_id), asked)
         return process.compute(balancing_computation.compute_correction, task)
 
-    result = computed_apart(request, ("balancing correction", *key, json.dumps(asked)), work)
+    result = compute_in_worker(request, ("balancing correction", *key, json.dumps(asked)), work)
     step = {"asked": asked, "by": said.by, "at": now(), "result": result}
     with change_place(request), database(request).transaction() as session:
         require_nothing_else(session, machine_id, finding_at)  # an alert may have come while it was computed
@@ -168,7 +168,7 @@ def check_correction(
         "weights": None if weights is None else [asdict(one) for one in weights],
         "by": said.by,
         "at": now(),
-        "result": computed_apart(request, whole, work),
+        "result": compute_in_worker(request, whole, work),
     }
     with change_place(request), database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)

@@ -7,8 +7,8 @@ from estimator.calibration.calibration_runs import check_runs
 from estimator.machine.calibration import Calibration
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import parse_machine
-from service.api.cache.computing_apart import computed_apart
 from service.api.cache.model_process import ModelProcess
+from service.api.cache.worker_computation import compute_in_worker
 from service.api.conventions.changes_in_turn import change_place, takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database, requester
 from service.api.conventions.paging import ById
@@ -73,7 +73,7 @@ def request_model_calibration(
             machine, runs = calibration_jobs.read_runs(reading, machine_id, revision, asked)
         process.compute(check_runs, machine, runs)
 
-    computed_apart(request, ("runs of a calibration", machine_id, revision, tuple(asked)), check)
+    compute_in_worker(request, ("runs of a calibration", machine_id, revision, tuple(asked)), check)
     with change_place(request), database(request).transaction() as session:
         row = calibration_jobs.request_calibration(
             session,

@@ -5,7 +5,7 @@ from typing import Annotated, Any, cast
 from fastapi import APIRouter, Query, Request, Response
 
 from service.api.cache.computed_cache import ComputedCache
-from service.api.cache.computing_apart import caller_of, has_gone
+from service.api.cache.worker_computation import caller_of, has_gone
 from service.api.conventions.dependencies import MachineId, Period, database
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.reader_language import reader_language

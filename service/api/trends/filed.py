@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 from sqlalchemy import Row
 
 from service.api.conventions.dependencies import Reading
-from service.api.conventions.formats import CSV, MEDIA_TYPES, PARQUET, asked_format, csv_bytes, parquet_bytes
+from service.api.conventions.formats import CSV, MEDIA_TYPES, PARQUET, csv_bytes, negotiated_format, parquet_bytes
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import rfc3339_text
 from service.api.trends.trend_lines import LINES, TrendFormat, filed_lines, magnitude, quality_of
@@ -88,7 +88,7 @@ def list_estimates(
 
     The header Rundown-After, and `after` of JSON, is what to ask with next. A value appears two seconds after it was computed.
     """
-    wanted = "influx" if chosen == "influx" else asked_format(request, chosen)
+    wanted = "influx" if chosen == "influx" else negotiated_format(request, chosen)
     since = None if within_days is None else now() - int(within_days * DAY_NS)
     found = filed_estimates.filed(session, after=after, limit=limit + 1, since=since, newest=newest)
     rows = {one.id: one for one in (found[-limit:] if newest else found[:limit])}

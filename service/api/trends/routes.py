@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 
 from service.api.cache.response_cache import Cached
 from service.api.conventions.dependencies import MachineId, Period
-from service.api.conventions.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
+from service.api.conventions.formats import CSV, MEDIA_TYPES, PARQUET, Format, csv_bytes, negotiated_format, parquet_bytes
 from service.api.conventions.parameter_units import ParameterUnitChoice
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import rfc3339_text
@@ -141,7 +141,7 @@ async def read_trends(
     that the machine has and that was never identified is empty; one that none of the newest 20 revisions of its document
     has is not found.
     """
-    wanted: TrendFormat = "influx" if chosen == "influx" else asked_format(request, chosen)
+    wanted: TrendFormat = "influx" if chosen == "influx" else negotiated_format(request, chosen)
     kept: HistoryCache = request.app.state.histories
     names = list(dict.fromkeys(parameter))
 

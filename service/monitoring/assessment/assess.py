@@ -35,7 +35,7 @@ from service.monitoring.assessment.context import (
 from service.monitoring.assessment.load_changes import load_changes
 from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
 from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
-from service.monitoring.assessment.run_models import learnt, run_model
+from service.monitoring.assessment.run_models import baseline_variation, run_model
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
@@ -104,7 +104,7 @@ def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
     newest = context.after[-1] if context.after else None
     if newest is None or not is_of_films(newest.fit, machine) or any(one.names != baseline[0].names for one in baseline):
         return None
-    variation = learnt(machine, context.baseline)
+    variation = baseline_variation(machine, context.baseline)
     watch = RunWindows.from_baseline(machine, baseline, variation=variation)
     limits = context.limits
     enough = max(watch.longest(lambda *of: delays(limits, *of)[0]), *(delays(limits, *of)[1] for of in context.open_causes), 0)

@@ -44,11 +44,11 @@ class _BaselineContents:
         return isinstance(other, _BaselineContents) and self.contents == other.contents
 
 
-def learnt(machine: Machine, baseline: Sequence[AssessedRun]) -> HealthyVariation:
+def baseline_variation(machine: Machine, baseline: Sequence[AssessedRun]) -> HealthyVariation:
     """Return how a machine on oil films varies from run to run, from its baseline; remembered for the last few of these."""
-    return _learnt(_BaselineContents(machine, tuple(baseline)))
+    return _baseline_variation(_BaselineContents(machine, tuple(baseline)))
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _learnt(baseline: _BaselineContents) -> HealthyVariation:
+def _baseline_variation(baseline: _BaselineContents) -> HealthyVariation:
     return learnt_variation([run_model(baseline.machine, one) for one in baseline.runs])

@@ -7,9 +7,16 @@ import pytest
 
 from storage.database.engine import Database
 from tests.databases import Databases, opened
-from tests.service.opcua.second_stack import SecondStack, second_stack
+from tests.service.opcua.second_stack import SecondStack, end_idle, second_stack
 from tests.service.opcua.served_plants import ServedPlants, served_plants
 from tests.service.security.two_plants import fill
+
+
+@pytest.fixture(scope="session", autouse=True)
+def end_second_stacks() -> Iterator[None]:
+    """End the processes of the second stack with the session."""
+    yield
+    end_idle()
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,7 @@
-"""A client of another stack, node-opcua, in a process of its own: see tests/opcua_client/client.js."""
+"""A client of another stack, node-opcua, in a process of its own: see tests/opcua_client/client.js.
+
+A process serves one connection after another: to load the library takes longer than most tests with it.
+"""
 
 import itertools
 import json
@@ -18,6 +21,8 @@ from tests.paths import ROOT
 
 FOLDER = ROOT / "tests" / "opcua_client"
 PATIENCE_S = 30.0
+_IDLE: list["SecondStack"] = []
+_FOLDERS = itertools.count(1)
 
 
 class ConnectionRefused(AssertionError):
@@ -25,16 +30,46 @@ class ConnectionRefused(AssertionError):
 
 
 class SecondStack:
-    """One connected client."""
+    """A process with at most one connected client."""
 
-    def __init__(self, process: "subprocess.Popen[str]") -> None:
-        self._process = process
+    def __init__(self) -> None:
+        command = ["node", str(FOLDER / "client.js")]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
         self._numbers = itertools.count(1)
         self._answers: queue.Queue[dict[str, Any]] = queue.Queue()
         self.told: list[dict[str, Any]] = []
         """Notifications, in the order in which they came."""
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
+
+    def connect(self, endpoint: str, folder: Path, **how: Any) -> None:
+        """Connect a client. Raises ConnectionRefused."""
+        self.told = []
+        self.say({"endpoint": endpoint, "folder": str(folder / f"pki-{next(_FOLDERS)}"), "security": "none", **how})
+        found = self.answer()
+        if "refused" in found:
+            raise ConnectionRefused(found["refused"])
+        assert "connected" in found, found
+
+    def disconnect(self) -> None:
+        """End the client and keep its process for the next; one that does not answer is killed."""
+        try:
+            self.say({"request": "end"})
+            ended = "ended" in self._answers.get(timeout=5.0)
+        except (OSError, queue.Empty):
+            ended = False
+        if ended:
+            _IDLE.append(self)
+        else:
+            self.kill()
+
+    def kill(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._thread.join()
+        self._process.communicate()
 
     def ask(self, request: str, **rest: Any) -> Any:
         """Send a request and return its answer; what fails is an assertion."""
@@ -76,25 +111,33 @@ class SecondStack:
                 self.told.append(found)
             else:
                 self._answers.put(found)
+        self._answers.put({"gone": "the process has ended"})
 
 
 @contextmanager
 def second_stack(endpoint: str, folder: Path, **how: Any) -> Iterator[SecondStack]:
     """Yield a client that is connected. Raises ConnectionRefused. how: user, password, security, certificate, key."""
     require_node()
-    command = ["node", str(FOLDER / "client.js")]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    client = _IDLE.pop() if _IDLE else SecondStack()
     try:
-        client = SecondStack(process)
-        pki = folder / f"pki-{process.pid}"
-        client.say({"endpoint": endpoint, "folder": str(pki), "security": "none", **how})
-        found = client.answer()
-        if "refused" in found:
-            raise ConnectionRefused(found["refused"])
+        client.connect(endpoint, folder, **how)
         yield client
-    finally:
-        process.kill()
-        process.communicate()
+    except ConnectionRefused:
+        _IDLE.append(client)
+        raise
+    except BaseException:
+        client.kill()
+        raise
+    if how.get("reconnects"):
+        client.kill()
+    else:
+        client.disconnect()
+
+
+def end_idle() -> None:
+    """End the processes that wait for another client."""
+    while _IDLE:
+        _IDLE.pop().kill()
 
 
 def require_node() -> None:

@@ -17,7 +17,7 @@ AT_ONCE_S = 0.001
 """Time in one iteration of the event loop after which no further request begins [s]."""
 
 
-class Beginnings:
+class FairScheduling:
     """ASGI middleware that lets requests begin in turns.
 
     Clients are told apart by their address: of the waiting requests of one client one begins, then one of the next client's.
@@ -28,18 +28,18 @@ class Beginnings:
         """Set up. at_once: paths whose requests wait for nobody."""
         self._app = app
         self._at_once = frozenset(at_once)
-        self._turns: WeakKeyDictionary[asyncio.AbstractEventLoop, TurnsToBegin] = WeakKeyDictionary()
+        self._turns: WeakKeyDictionary[asyncio.AbstractEventLoop, RoundRobinQueue] = WeakKeyDictionary()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on when its turn has come."""
         if scope["type"] == "http" and scope["path"] not in self._at_once:
             loop = asyncio.get_running_loop()
-            turns = self._turns.get(loop) or self._turns.setdefault(loop, TurnsToBegin())
+            turns = self._turns.get(loop) or self._turns.setdefault(loop, RoundRobinQueue())
             await turns.wait(scope["client"][0] if scope.get("client") else "")
         await self._app(scope, receive, send)
 
 
-class TurnsToBegin:
+class RoundRobinQueue:
     """Turns of the requests of one event loop."""
 
     def __init__(self) -> None:

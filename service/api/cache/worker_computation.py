@@ -17,7 +17,7 @@ from service.api.conventions.dependencies import principal
 T = TypeVar("T")
 
 
-def computed_apart(request: Request, key: Hashable, work: Callable[[ModelProcess], T]) -> T:
+def compute_in_worker(request: Request, key: Hashable, work: Callable[[ModelProcess], T]) -> T:
     """Return what `work` makes of the process, cached or now, in its turn. Raises ComputationsBusy, and what `work` raises.
 
     key: everything that the result depends on. work: reads what is needed, and has it computed.

@@ -8,7 +8,7 @@ from typing import Any
 
 from starlette.types import Message, Receive, Scope, Send
 
-from service.http.beginnings import AT_ONCE_S, Beginnings
+from service.http.fair_scheduling import AT_ONCE_S, FairScheduling
 
 Ask = Callable[[Scope], Coroutine[Any, Any, None]]
 
@@ -33,7 +33,7 @@ def begun(attack: Callable[[Ask], Coroutine[Any, Any, None]], *, holding_s: floa
         order.append(scope)
         time.sleep(holding_s)
 
-    one = Beginnings(app, at_once={"/alive"})
+    one = FairScheduling(app, at_once={"/alive"})
     asyncio.run(_run(attack(lambda scope: one(scope, receive, send))))
     return order
 
@@ -108,7 +108,7 @@ def test_requests_of_two_loops_do_not_wait_for_each_other() -> None:
     async def app(scope: Scope, _receive: Receive, _send: Send) -> None:
         order.append(scope)
 
-    one = Beginnings(app)
+    one = FairScheduling(app)
 
     async def requests() -> None:
         for _ in range(50):
