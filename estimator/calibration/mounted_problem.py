@@ -14,10 +14,11 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.problem.fit_problem import FitProblem
+from estimator.fit.optimisation.maximum_likelihood import BEND_PART, bend
+from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.rotor.condensation import CondensedTrain
-from estimator.rotor.response import Sensitivity, sensitivity
+from estimator.rotor.response import Sensitivity, excitation_responses, sensitivity
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,20 @@ class MountedLinearisation:
         count = self.mixed.shape[1]
         solved = np.matmul(self.mixed, self.inverse).swapaxes(0, 1).reshape(count, -1)
         return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)
+
+    def projected(self, residual: Floats, difference: Floats) -> Floats:
+        """Project numbers in the form of the residuals on the derivatives, without what differences between mountings explain.
+
+        Args:
+            residual: Weighted numbers (R,) in the form of the residuals [-].
+            difference: Numbers (M, q) in the form of the differences, whose own cost counts as residuals do [-].
+
+        Returns:
+            Projection (n,) [-].
+        """
+        seen = difference.copy()
+        np.add.at(seen, self.mounting, (self.own * residual).T)
+        return np.asarray(self.rows @ residual - np.einsum("mnq,mqp,mp->n", self.mixed, self.inverse, seen))
 
 
 class MountedProblem(FitProblem, frozen=True, eq=False):
@@ -131,6 +146,21 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         residual = (self.measurement.phasor - phasor) * weight
         return float(np.vdot(residual, residual).real) - lowered
 
+    def residual(self, theta: Floats, weight: Floats) -> tuple[Floats, Floats]:
+        """Compute what is left at the most likely differences between mountings.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m], zero where a phasor does not count.
+
+        Returns:
+            Weighted residuals (R,) and these differences (M, q) in units of their size [-].
+        """
+        phasor, by_difference = self._effects(theta, self.scaled_train(theta))
+        difference = self._differences(phasor, by_difference, weight)[1]
+        whole = phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference)
+        return _real_parts((self.measurement.phasor - whole) * weight), difference
+
     def linearisation(self, theta: Floats, weight: Floats) -> MountedLinearisation:
         """Linearise the problem at θ and at the differences between mountings that are most likely there.
 
@@ -187,13 +217,12 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         coefficients, excitations = self.coordinates.coefficients(theta), self.excitations(theta)
         gains, direction = self.coordinates.channels.gains(theta), self.measurement.direction
         samples, channels = self.measurement.phasor.shape
-        phasor = np.empty((samples, channels), dtype=complex)
+        each = excitation_responses(train, coefficients=coefficients)
+        parts = np.stack([excitations.real, excitations.imag], axis=-1).reshape(*excitations.shape[:-1], -1)
+        shown = np.einsum("esm,e->sm" if parts.ndim == 1 else "esm,se->sm", each, parts)
+        phasor = self.coordinates.channels.as_measured(theta, shown, direction)
         own = np.zeros((2 * (self.planes + channels), samples, channels), dtype=complex)
-        for block in train.blocks():
-            found = self._sensitivity(train, block, coefficients, excitations)
-            phasor[block] = self.coordinates.channels.as_measured(theta, found.phasor, direction[block])
-            own[: 2 * self.planes, block] = found.by_excitation[: 2 * self.planes] * gains
-        own[: 2 * self.planes] *= np.repeat(self._sizes, 2)[:, None, None]
+        own[: 2 * self.planes] = each[: 2 * self.planes] * gains * np.repeat(self._sizes, 2)[:, None, None]
         size = self.spread[self.planes :] / np.sqrt(2.0)
         for channel in range(channels):
             first = 2 * (self.planes + channel)
@@ -215,6 +244,59 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         inverse: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
         difference: Floats = np.asarray(np.einsum("mqp,mp->mq", inverse, gradient))
         return inverse, difference, float(np.sum(difference * gradient))
+
+
+@bend.register
+def mounted_bend(problem: MountedProblem, theta: Floats, step: Floats, weight: Floats) -> Floats:
+    """Compute the second derivative of the weighted phasors along a step, with the differences that are most likely there.
+
+    Projected on the derivatives of the problem without differences (variable projection; Golub and Pereyra 1973,
+    doi:10.1137/0710036).
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        step: Step (n,) [-].
+        weight: Weights (S, m) [1/m].
+
+    Returns:
+        Projection (n,) [-]; not finite where there is no model so far along the step.
+    """
+    weight = np.where(problem.used, weight, 0.0)
+    here = problem.linearisation(theta, weight)
+    residual, difference = problem.residual(theta + BEND_PART * step, weight)
+    sloping = -np.einsum("mqp,mnp,n->mq", here.inverse, here.mixed, step)
+    slope = step @ here.rows + np.einsum("rq,qr->r", sloping[here.mounting], here.own)
+    second = 2.0 / BEND_PART
+    return here.projected(
+        second * ((here.residual - residual) / BEND_PART - slope),
+        second * ((difference - here.difference) / BEND_PART - sloping),
+    )
+
+
+@best_excitations.register
+def mounted_excitations(problem: MountedProblem, theta: Floats, weight: Floats) -> Floats:
+    """Solve for the excitations that fit best, with the differences that are most likely there, while everything else stays.
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        weight: Weights (S, m) [1/m].
+
+    Returns:
+        θ (n,) with these unbalances, bows and loads [-]; as it was where there is no model.
+    """
+    first = problem.coordinates.excitation_place[problem.coordinates.excitation_place >= 0]
+    free = np.concatenate([first, first + 1])
+    _, slope, curvature = problem.linearised(theta, weight)
+    if free.size == 0 or not np.isfinite(curvature).all():
+        return theta  # where a film is too thin
+    prior = problem.coordinates.prior
+    found = theta.copy()
+    # The model is linear in excitations and differences: one Newton step is the answer.
+    block = (curvature + prior.precision)[np.ix_(free, free)]
+    found[free] += np.linalg.solve(block, (slope - prior.pull(theta))[free])
+    return found
 
 
 def _real_parts(values: Complexes) -> Floats:

@@ -13,6 +13,7 @@ with weights taken as known.
 
 import math
 from collections.abc import Sequence
+from functools import singledispatch
 
 import numpy as np
 
@@ -46,6 +47,8 @@ LARGEST_BEND = 0.75
 """Twice the acceleration over the step up to which a step is bent [-] (Transtrum, Machta and Sethna 2011)."""
 LARGEST_DAMPING = 1e10
 """Damping from which on steps are too short to bring anything [-]."""
+SMALLEST_SHARE = 0.3
+"""Smallest part of a Newton step that is taken where the last one went too far [-]."""
 PASSING_DECREASE = 1.0
 """Decrease at which stages from an earlier fit's end pass to the next [-]: their weights are not yet those of the end."""
 STALLED_STEPS = 12
@@ -166,7 +169,7 @@ def descend(
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
     """
-    prior, growth, gain = problem.coordinates.prior, 2.0, 1.0
+    prior, growth, gain, share = problem.coordinates.prior, 2.0, 1.0, 1.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = data + prior.cost(theta)
     if not np.isfinite(cost):
@@ -182,17 +185,17 @@ def descend(
             return theta, ended, step_number
         damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
         step = np.linalg.solve(damped, slope)
-        step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
+        share = min(share, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
+        step *= share
         promised = float(2 * slope @ step - step @ hessian @ step)
-        trial = theta + step
         try:  # nearly all trials are taken, so their derivatives are computed at once
-            if gain < CURVED:
-                trial = bent(problem, theta, weight, step, damped)
+            trial = bent(problem, theta, weight, step, damped) if gain < CURVED else theta + step
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
             trial_cost = trial_data + prior.cost(trial)
         except SingularCondensation:
             trial_cost = math.inf  # E or density went where a speed cannot be condensed at: a shorter step
         gain = (cost - trial_cost) / promised
+        share = _next_share(share, float(slope @ step), trial_cost - cost)
         if np.isfinite(trial_cost) and gain > 1e-4:
             theta, cost, gradient, curvature = trial, trial_cost, trial_gradient, trial_curvature
             damping, growth = max(damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 1e-9), 2.0
@@ -204,6 +207,20 @@ def descend(
     return theta, False, limit
 
 
+def _next_share(share: float, descent: float, change: float) -> float:
+    """Return the most of the next Newton step that is taken: to the lowest point of the parabola over the last one.
+
+    Where residuals bend the valley, Gauss and Newton's curvature is too small, and whole steps swing from side to side
+    (interpolation as in Nocedal and Wright, Numerical Optimization, 2006, sec. 3.5). When it has ended is judged by what a
+    whole step promises all the same.
+
+    share: part taken last [-]; descent: half the decrease that the slope promises over that part [-]; change: of the cost [-].
+    """
+    rise = change + 2.0 * descent
+    return float(np.clip(share * descent / rise, SMALLEST_SHARE, 1.0)) if np.isfinite(rise) and rise > 0.0 else 1.0
+
+
+@singledispatch
 def bend(problem: FitProblem, theta: Floats, step: Floats, weight: Floats) -> Floats:
     """Compute the second derivative of the weighted phasors along a step, projected on their derivatives.
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import singledispatch
 
 import numpy as np
 from msgspec import Struct, field
@@ -254,6 +255,7 @@ class FitProblem(Struct, frozen=True, eq=False):
         return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
 
 
+@singledispatch
 def best_excitations(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
     """Solve for the excitations that fit best while everything else stays: a linear problem.
 

@@ -4,8 +4,9 @@ import numpy as np
 
 from benchmarks.calibration.rotor_kit import kit
 from estimator.calibration.mounted_problem import MountedProblem
+from estimator.fit.optimisation.maximum_likelihood import bend
 from estimator.fit.problem.coordinates import Coordinates
-from estimator.fit.problem.fit_problem import FitProblem
+from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.machine.rules import Noise
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import condense
@@ -72,3 +73,42 @@ def test_differences_explain_what_scatters_between_mountings() -> None:
     assert large.chi_square(theta, weight) < small.chi_square(theta, weight)
     error = error_size(large.noise, np.abs(large.measurement.phasor), large.measurement.scatter)
     assert np.all(error == 1e-7)
+
+
+def test_bend_is_the_second_derivative_with_the_differences_that_are_likely_there() -> None:
+    whole = problem(1.0)
+    rng = np.random.default_rng(1)
+    theta = whole.coordinates.centre + 0.05 * rng.standard_normal(whole.coordinates.size)
+    step = 0.02 * rng.standard_normal(theta.size)
+    weight = whole.weight(whole.first_amplitude, 0.1)
+    here = whole.linearisation(theta, weight)
+    (ahead, further), (behind, nearer) = (whole.residual(theta + sign * 0.02 * step, weight) for sign in (1.0, -1.0))
+    expected = here.projected(
+        (2.0 * here.residual - ahead - behind) / 0.02**2, (further + nearer - 2.0 * here.difference) / 0.02**2
+    )
+    found = bend(whole, theta, step, weight)
+    np.testing.assert_allclose(found, expected, rtol=0.1, atol=0.05 * np.abs(expected).max())
+
+
+def test_projected_derivatives_are_the_curvature() -> None:
+    whole = problem(1.0)
+    theta, weight = whole.coordinates.centre, whole.weight(whole.first_amplitude, 0.1)
+    here = whole.linearisation(theta, weight)
+    _, gradient, curvature = whole.linearised(theta, weight)
+    step = np.random.default_rng(2).standard_normal(theta.size)
+    assert np.allclose(here.projected(step @ here.rows, np.zeros_like(here.difference)), curvature @ step)
+    assert np.allclose(here.projected(here.residual, -here.difference), gradient)
+
+
+def test_best_excitations_of_mountings_leave_no_slope_along_them() -> None:
+    whole = problem(1.0)
+    theta = whole.coordinates.centre + 0.05 * np.random.default_rng(3).standard_normal(whole.coordinates.size)
+    weight = whole.weight(whole.first_amplitude, 0.1)
+    best = best_excitations(whole, theta, weight)
+    free = whole.coordinates.excitation_place
+    places = np.concatenate([free, free + 1])
+    before, after = (whole.linearised(one, weight)[1] - whole.coordinates.prior.pull(one) for one in (theta, best))
+    assert np.max(np.abs(after[places])) < 1e-8 * np.max(np.abs(before[places]))
+    others = np.setdiff1d(np.arange(theta.size), places)
+    assert np.array_equal(best[others], theta[others])
+    assert np.allclose(best_excitations(whole, best, weight), best, rtol=1e-9, atol=1e-12), "a step of nothing moves nothing"
