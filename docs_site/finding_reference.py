@@ -9,7 +9,7 @@ from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_rule import FindingRule
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.monitoring.rules.limit_rule import Level, LimitQuantity
-from service.wording.finding_texts import PLACES
+from service.wording.finding_texts import PLACES, FindingTexts
 from service.wording.language import ENGLISH
 
 HEAD = f"""# Findings: reference
@@ -61,6 +61,12 @@ def _finding(rule: FindingRule) -> Iterator[str]:
     limits = rule.rule.limits
     yield f"| alert | {'always' if limits is None else level_words(limits.alert)} |"
     yield f"| danger | {'never' if limits is None or limits.danger is None else level_words(limits.danger)} |"
+    yield from _lists(texts)
+    for kind_of_element, own in rule.texts_of_elements.items():
+        yield from ("", f"Of a {kind_of_element}:", "", "| | |", "|---|---|", *_lists(own["en"]))
+
+
+def _lists(texts: FindingTexts) -> Iterator[str]:
     for name, title in LISTS.items():
         said = getattr(texts, name)
         if said:

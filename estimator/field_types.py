@@ -25,7 +25,7 @@ class PartUnchangeable(Invalid, AttributeError):
 
     def __init__(self, part: str, name: str) -> None:
         super().__init__(
-            f"{name}: a {part} stays as it was read; change what the machine's model_dump() returns, and read that with "
+            f"{name}: {part} stays as it was read; change what the machine's model_dump() returns, and read that with "
             "read_machine(…)"
         )
 

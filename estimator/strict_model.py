@@ -147,7 +147,7 @@ def fields_beside(model: type[BaseModel], location: Sequence[int | str]) -> list
     for name in location[:-1]:
         held = [one.model_fields[name].annotation for one in models if isinstance(name, str) and name in one.model_fields]
         models = [one for annotation in held for one in _models_in(annotation)] or models
-    return sorted({name for one in models for name in one.model_fields})
+    return sorted({field.alias or name for one in models for name, field in one.model_fields.items()})
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

@@ -1,7 +1,8 @@
 """Calibrates a machine from recorded runs with known unbalances, as `rundown calibrate` does."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 import yaml
@@ -70,7 +71,7 @@ class CalibratedMachine:
         return notebook_text(self)
 
 
-def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -> CalibratedMachine:
+def calibrate(machine: Machine, files: Iterable[str | PathLike[str]], *, seed: int = 0) -> CalibratedMachine:
     """Calibrate a machine from recorded runs with known unbalances.
 
     Gains, phases and run-outs of channels, moduli, coefficients and the machine's own unbalance are fitted to all runs.
@@ -88,9 +89,12 @@ def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -
     """
     if isinstance(files, str | Path):
         raise NotCalibrated(f"files is one path, {files}: give a list of the recordings with and without weights")
-    wrong = next((one for one in files if not isinstance(one, str | Path)), None)
-    if wrong is not None:
-        raise NotCalibrated(f"a recording is a {type(wrong).__name__}: give paths of files, whose sidecars state the weights")
+    if not isinstance(files, Iterable):
+        raise NotCalibrated(f"files is a {type(files).__name__}: give a list of the recordings with and without weights")
+    files = list(files)
+    wrong = [type(one).__name__ for one in files if not isinstance(one, str | PathLike)]
+    if wrong:
+        raise NotCalibrated(f"a recording is a {wrong[0]}: give paths of files, whose sidecars state the weights")
     try:
         runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
         with one_blas_thread():

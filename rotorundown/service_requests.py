@@ -37,7 +37,8 @@ class Requests:
     """Requests to the service at an address. key: an API key or a token, where the service asks for one."""
 
     def __init__(self, url: str, key: str | None) -> None:
-        parts = urllib.parse.urlsplit(str(url))
+        url = str(url)
+        parts = urllib.parse.urlsplit(url)
         if parts.scheme not in ("http", "https") or not parts.netloc:
             raise ValueError(f"'{url}' is no address of a service: it is written as http://localhost:8080")
         self.url = url.rstrip("/")

@@ -69,9 +69,10 @@ def require_time_of_change(_mapper: object, _connection: object, row: AlertRow) 
     assert changed.updated_at.history.has_changes() or not changed.evidence.history.has_changes(), "evidence without its time"
 
 
-def pytest_sessionstart() -> None:
-    """Look for no garbage while tests are imported: what they import stays."""
-    gc.disable()
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Look for no garbage while tests are imported: what they import stays. The process that only hands out tests has none."""
+    if not session.config.getoption("numprocesses", None):
+        gc.disable()
 
 
 def pytest_collection_finish() -> None:

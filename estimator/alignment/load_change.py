@@ -21,6 +21,8 @@ from estimator.updated_model.uncertainty import standard_errors
 
 AXES = (("horizontal", 0), ("vertical", 1))
 """Directions of loads, with their axes."""
+SOLUTION_ERROR = 1e-6
+"""Standard error that solving for the equilibrium adds to a change, as part of the whole load."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +34,14 @@ class LoadChange:
         value: By how much it is larger than in the baseline [N].
         error: Standard error of that [N].
         before: The load in the baseline [N].
+        carried: Size of the whole load in the baseline, of both directions together [N].
     """
 
     name: str
     value: float
     error: float
     before: float
+    carried: float
 
 
 def load_changes(
@@ -90,12 +94,14 @@ def changed_loads(change: RunChange) -> tuple[LoadChange, ...]:
     slopes = last.force_slope[-1]
     own = placed.numbers[: slopes.shape[-1]]
     covariance = change.run_covariance[np.ix_(own, own)]
+    carried = np.hypot(*first.force[-1].T)
     return tuple(
         LoadChange(
             name=f"bearing.{bearing.id}.load_{direction}",
             value=float(last.force[-1, number, axis] - first.force[-1, number, axis]),
-            error=float(standard_errors(slopes[number, axis], covariance)),
+            error=float(np.hypot(standard_errors(slopes[number, axis], covariance), SOLUTION_ERROR * carried[number])),
             before=float(first.force[-1, number, axis]),
+            carried=float(carried[number]),
         )
         for number, bearing in enumerate(later.machine.bearings)
         for direction, axis in AXES

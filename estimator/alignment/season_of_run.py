@@ -36,11 +36,11 @@ def season_of_run(
     """
     stated = later.machine.operation.healthy_variation.slow_oil
     measured = _thickness(later) - float(np.mean([_thickness(one) for one in baseline]))
-    update = {"slow_oil": max(variation.slow_oil, float(np.hypot(shift, error)))}
-    if stated > 0.0:
-        part = float(np.hypot(measured + shift, error)) / stated
-        update |= {name: part * getattr(variation, name) for name in FOLLOWING}
-    return variation.model_copy(update=update)
+    if stated == 0.0:
+        return variation
+    part = float(np.hypot(measured + shift, error)) / stated
+    update = {name: part * getattr(variation, name) for name in FOLLOWING}
+    return variation.model_copy(update=update | {"slow_oil": max(variation.slow_oil, float(np.hypot(shift, error)))})
 
 
 def _thickness(model: UpdatedModel) -> float:

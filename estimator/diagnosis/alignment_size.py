@@ -16,6 +16,7 @@ from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
+from estimator.updated_model.film_results import WEIGHT_ERROR
 from estimator.updated_model.model import UpdatedModel
 
 MISALIGNMENT = "misalignment"
@@ -60,8 +61,8 @@ def alignment_size(
     allowed = allowed_alignment(machine, describe(cause.element).element_id)
     quantities = {"allowed_at_rpm": allowed.rpm, **_numbers(known)}
     quantities |= {f"bearing.{one.bearing}.{one.plane}_um": _um(one) for one in equivalent_settlements(machine, cause)}
-    loads = [one for one in changed_loads(change) if describe(one.name).quantity == VERTICAL_LOAD and _has_moved(one)]
-    quantities |= {f"{one.name.removesuffix('_vertical')}_per_cent": 100.0 * one.value / abs(one.before) for one in loads}
+    loads = [one for one in changed_loads(change) if describe(one.name).quantity == VERTICAL_LOAD and has_moved(one)]
+    quantities |= {f"{one.name.removesuffix('_vertical')}_per_cent": 100.0 * one.value / one.carried for one in loads}
     size = ChangeSize(None, quantities, parts=(*_figures(known), *map(_load_figure, loads)))
     if not known:
         return size
@@ -92,8 +93,9 @@ def _figures(known: Sequence[ToleratedChange]) -> Iterator[SizePart]:
         yield SizePart(one.name, unit, value, value - half, value + half, sigma, factor * one.allowed)
 
 
-def _has_moved(one: LoadChange) -> bool:
-    return one.before != 0.0 and abs(one.value) > CONFIDENCE_95 * one.error
+def has_moved(one: LoadChange) -> bool:
+    """Check whether a load has changed for certain, by more than masses are known to."""
+    return abs(one.value) > max(CONFIDENCE_95 * one.error, WEIGHT_ERROR * one.carried)
 
 
 def _load_figure(one: LoadChange) -> SizePart:

@@ -6,7 +6,9 @@ from estimator.arrays import Floats
 from estimator.units import PhaseUnit
 
 LARGEST_ANGLE_RAD = 4.0 * np.pi
-"""Largest phase that may be one in radians [rad]: two turns."""
+"""Size of phases up to which they may be in radians [rad]: two turns."""
+MOST_PHASES = 0.9
+"""Part of the phases that is looked at: a few wrong values say nothing of the unit."""
 FULL_TURN_RAD = 2.0 * np.pi
 WIDEST_SMALL_PHASES = 3.0
 """Spread of phases within one turn in radians from which on they are not in degrees, in several channels."""
@@ -19,11 +21,11 @@ def contradicted_phase_unit(phase: Floats, unit: str) -> tuple[str, PhaseUnit] |
     known = phase[np.isfinite(phase)]
     if known.size == 0:
         return None
-    reach = float(np.max(np.abs(known)))
+    reach = float(np.quantile(np.abs(known), MOST_PHASES))
     if unit == "rad" and reach > LARGEST_ANGLE_RAD:
-        return f"phases reach {reach:.0f}, which are degrees and not radians", "deg"
+        return f"phases reach {reach:.0f} and more, which are degrees and not radians", "deg"
     if unit == "deg" and look_like_radians(known):
-        return f"all phases lie within {reach:.2f}, which looks like radians", "rad"
+        return f"all phases lie within {np.max(np.abs(known)):.2f}, which looks like radians", "rad"
     return None
 
 

@@ -21,7 +21,12 @@ class NoOrbit(ValueError):
 
 def orbits(result: PlottedResult, speed_rpm: float) -> "Figure":
     """Draw the fitted orbits [µm pp] at one speed [r/min], with the keyphasor's dot. Raises NoOrbit."""
-    if isinstance(speed_rpm, bool) or not isinstance(speed_rpm, SupportsFloat) or not 0.0 < float(speed_rpm) < np.inf:
+    if (
+        isinstance(speed_rpm, bool)
+        or np.ndim(speed_rpm) != 0
+        or not isinstance(speed_rpm, SupportsFloat)
+        or not 0.0 < float(speed_rpm) < np.inf
+    ):
         raise NoOrbit(f"an orbit is drawn at one speed [r/min], such as 2980.0, not {speed_rpm!r}")
     stations = [one for one in probe_stations(result.machine) if one.sees_both_axes]
     if not stations:

@@ -38,6 +38,5 @@ def read_settings_file(path: Path, *, known: Collection[str]) -> dict[str, Any]:
 
 def _instead_of(name: str, value: Any, known: Collection[str]) -> str:
     """Return what should probably stand instead of an unknown setting: it may be a table, or as in the environment."""
-    if isinstance(value, dict):
-        return ": settings stand above all, in no table"
-    return did_you_mean(name.removeprefix("RUNDOWN_").lower().replace("-", "_"), sorted(known))
+    close = did_you_mean(name.removeprefix("RUNDOWN_").lower().replace("-", "_"), sorted(known))
+    return close or (": settings are written at the top of the file, in no table" if isinstance(value, dict) else "")

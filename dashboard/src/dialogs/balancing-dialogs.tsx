@@ -21,8 +21,8 @@ interface Props {
   balancing: FieldBalancing | null;
   /** What speaks against it now; null for nothing. */
   warning: string | null;
-  /** Called with the balancing that the step was stored to. */
-  onStored: (id: number) => void;
+  /** Called with the balancing as it is after the step. */
+  onStored: (balancing: FieldBalancing) => void;
   onClose: () => void;
 }
 
@@ -41,9 +41,11 @@ export function BalancingDialog({ machine, step, balancing, warning, onStored, o
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
     const path = { begin: list, trial: `${list}/${balancing?.id}/trials`, correction: `${list}/${balancing?.id}/correction`, check: `${list}/${balancing?.id}/check` }[step];
     try {
-      onStored((await post<FieldBalancing>(path, bodyOf(step, form, discs, balancing), null, keys)).id);
-    } finally {
+      onStored(await post<FieldBalancing>(path, bodyOf(step, form, discs, balancing), null, keys));
       await refetch(list); // the next step is of what is shown
+    } catch (error) {
+      void refetch(list);
+      throw error;
     }
   };
   return (

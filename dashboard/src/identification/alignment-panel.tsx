@@ -108,9 +108,11 @@ function Loads({ loads }: { loads: LoadNumber[] }) {
 
 function LoadCell({ load: { change, change_per_cent, unit } }: { load: LoadNumber }) {
   const part = change_per_cent === null ? "" : ` (${number(change_per_cent)} %)`;
+  const scale = scaleOf(Math.max(...[change.value, change.lower, change.upper].map((one) => Math.abs(one ?? 0))), unit);
+  const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return (
     <td class="number">
-      {number(change.value)} {unit}{part} <small class="muted">{`${number(change.lower)} … ${number(change.upper)}`}</small>
+      {shown(change.value)} {scale.unit}{part} <small class="muted">{`${shown(change.lower)} … ${shown(change.upper)}`}</small>
     </td>
   );
 }

@@ -2,6 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import { link } from "../browser/router";
+import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { Severity } from "../components/severity";
 import { useOpenAlerts } from "../data/open-alerts";
@@ -19,7 +20,11 @@ interface Props {
 }
 
 export function BalancingGate({ machine, children }: Props) {
-  const dangers = (useOpenAlerts(machine).data ?? []).filter((one) => one.severity === "danger" && one.rule !== MENDED_BY_BALANCING);
+  return <Loaded result={useOpenAlerts(machine)}>{(alerts) => <Gate alerts={alerts}>{children}</Gate>}</Loaded>;
+}
+
+function Gate({ alerts, children }: { alerts: Alert[]; children: Props["children"] }) {
+  const dangers = alerts.filter((one) => one.severity === "danger" && one.rule !== MENDED_BY_BALANCING);
   const [anyway, setAnyway] = useState(false);
   const waits = dangers.length > 0;
   return (

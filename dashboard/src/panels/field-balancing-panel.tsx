@@ -39,8 +39,14 @@ interface OpenStep {
 export function FieldBalancingPanel({ machine, hidden = false, warning = null }: Props) {
   const [open, setOpen] = useState<OpenStep | null>(null);
   const [chosen, setChosen] = useState<number | null>(null);
+  /** The one that a step was stored to last: shown until the list has it. */
+  const [latest, setLatest] = useState<FieldBalancing | null>(null);
   const result = useResource<FieldBalancing[]>(`/machines/${machine.id}/balancings`, 30_000);
-  const shown = result.data?.find((one) => one.id === chosen) ?? result.data?.[0];
+  const shown = result.data?.find((one) => one.id === chosen) ?? (latest?.id === chosen ? latest : undefined) ?? result.data?.[0];
+  const onStored = (stored: FieldBalancing) => {
+    setLatest(stored);
+    setChosen(stored.id);
+  };
   return (
     <>
       <div hidden={hidden}>
@@ -63,7 +69,7 @@ export function FieldBalancingPanel({ machine, hidden = false, warning = null }:
         </Panel>
       </div>
       {open && (
-        <BalancingDialog machine={machine} step={open.step} balancing={open.of} warning={warning} onStored={setChosen} onClose={() => setOpen(null)} />
+        <BalancingDialog machine={machine} step={open.step} balancing={open.of} warning={warning} onStored={onStored} onClose={() => setOpen(null)} />
       )}
     </>
   );

@@ -77,7 +77,7 @@ class LoadNumber(BaseModel):
     unit: str
     before: float = Field(description="in the baseline, of all runs together")
     change: Determined
-    change_per_cent: float | None = Field(description="of the load before; null where that is zero")
+    change_per_cent: float | None = Field(description="of the whole load before, of both directions; null where that is zero")
 
 
 class AlignmentOut(ComparedOut):
@@ -162,7 +162,7 @@ def _numbers(
 def _load(one: LoadChange) -> LoadNumber:
     said, half = describe(one.name), CONFIDENCE_95 * one.error
     change = Determined(value=one.value, lower=one.value - half, upper=one.value + half, reason=None)
-    part = 100.0 * one.value / abs(one.before) if one.before != 0.0 else None
+    part = 100.0 * one.value / one.carried if one.carried > 0.0 else None
     return LoadNumber(
         name=one.name,
         bearing=said.element_id,

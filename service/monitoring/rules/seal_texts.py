@@ -13,7 +13,10 @@ SEAL_TEXTS: Mapping[Locale, FindingTexts] = {
             "Pressure difference, flow and temperature of the fluid at {element}, since {since}: stiffness follows them",
             "Head and efficiency at the same flow, since {since}: a worn seal leaks more",
         ),
-        in_operation=(TAKE_RUN_DOWN, "Hold pressure difference and temperature steady over a run-down"),
+        in_operation=(
+            TAKE_RUN_DOWN,
+            "Take run-downs from the same operating point, and note temperature and pressures of the fluid",
+        ),
         at_next_stop=("Open {element}: clearance, rub marks, swirl brakes, fit in the casing", NEW_BASELINE),
         if_danger=("Agree on the earliest stop for {element} with operations; watch vibration and leakage until then",),
         confirm=("A clearance that is not as it was made", "Leakage, head or efficiency that moved with it"),
@@ -25,7 +28,10 @@ SEAL_TEXTS: Mapping[Locale, FindingTexts] = {
             "Druckdifferenz, Menge und Temperatur des Prozessmediums an {element}, seit {since}: ihnen folgt die Steifigkeit",
             "Förderhöhe und Wirkungsgrad bei gleicher Menge, seit {since}: eine verschlissene Dichtung lässt mehr durch",
         ),
-        in_operation=(TAKE_RUN_DOWN_DE, "Druckdifferenz und Temperatur über einen Auslauf konstant halten"),
+        in_operation=(
+            TAKE_RUN_DOWN_DE,
+            "Ausläufe vom gleichen Betriebspunkt aus aufnehmen, Temperatur und Drücke des Mediums notieren",
+        ),
         at_next_stop=("{element} öffnen: Spaltweite, Anstreifspuren, Drallbrecher, Sitz im Gehäuse", NEW_BASELINE_DE),
         if_danger=(
             "Mit dem Betrieb den frühesten Stillstand für {element} vereinbaren; bis dahin Schwingung und Leckage beobachten",

@@ -38,7 +38,7 @@ def test_what_follows_from_settings_follows_from_those_of_the_file_too(file: Pat
     [
         ("prot = 1\n", "'prot' is no setting; did you mean 'port'"),
         ("nothing = 1\n", "'nothing' is no setting$"),
-        ("[serve]\nport = 1\n", "'serve' is no setting: settings stand above all, in no table$"),
+        ("[serve]\nport = 1\n", "'serve' is no setting: settings are written at the top of the file, in no table$"),
         ("RUNDOWN_PORT = 1\n", "'RUNDOWN_PORT' is no setting; did you mean 'port'"),
         ("raw-days = 1\n", "'raw-days' is no setting; did you mean 'raw_days'"),
         ('workers = "70000x"\n', r"rundown.toml: setting workers: needs a whole number$"),

@@ -35,7 +35,9 @@ def test_german_lacks_no_sentence() -> None:
 def test_every_language_says_as_much_of_each_finding() -> None:
     for one in DECLARED:
         for language in LANGUAGES:
-            assert _shape(one.texts_in(language)) == _shape(one.texts_in(ENGLISH)), (one.kind, language)
+            for element_kind in ("", *one.texts_of_elements):
+                said, english = (_shape(one.texts_in(each, element_kind)) for each in (language, ENGLISH))
+                assert said == english, (one.kind, element_kind, language)
     assert [one.kind for one in DECLARED if one.texts_in(GERMAN) == one.texts_in(ENGLISH)] == []
 
 
