@@ -21,6 +21,8 @@ from estimator.updated_model.uncertainty import standard_errors
 
 AXES = (("horizontal", 0), ("vertical", 1))
 """Directions of loads, with their axes."""
+LEAST_PART = 0.1
+"""Part of the whole load that a direction carries at least, for changes to be told as part of it."""
 SOLUTION_ERROR = 1e-6
 """Standard error that solving for the equilibrium adds to a change, as part of the whole load."""
 
@@ -42,6 +44,15 @@ class LoadChange:
     error: float
     before: float
     carried: float
+
+    @property
+    def part(self) -> float | None:
+        """Return the change as part of the load before, in the same direction.
+
+        Returns:
+            The part [-]; None where the direction carries next to nothing of the load.
+        """
+        return self.value / abs(self.before) if abs(self.before) > LEAST_PART * self.carried else None
 
 
 def load_changes(

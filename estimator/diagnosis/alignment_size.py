@@ -62,7 +62,8 @@ def alignment_size(
     quantities = {"allowed_at_rpm": allowed.rpm, **_numbers(known)}
     quantities |= {f"bearing.{one.bearing}.{one.plane}_um": _um(one) for one in equivalent_settlements(machine, cause)}
     loads = [one for one in changed_loads(change) if describe(one.name).quantity == VERTICAL_LOAD and has_moved(one)]
-    quantities |= {f"{one.name.removesuffix('_vertical')}_per_cent": 100.0 * one.value / one.carried for one in loads}
+    parts = {one.name.removesuffix("_vertical"): one.part for one in loads}
+    quantities |= {f"{name}_per_cent": 100.0 * part for name, part in parts.items() if part is not None}
     size = ChangeSize(None, quantities, parts=(*_figures(known), *map(_load_figure, loads)))
     if not known:
         return size
@@ -100,7 +101,9 @@ def has_moved(one: LoadChange) -> bool:
 
 def _load_figure(one: LoadChange) -> SizePart:
     half = CONFIDENCE_95 * one.error
-    return SizePart(one.name, "N", one.value, one.value - half, one.value + half, one.value / one.error)
+    return SizePart(
+        one.name, "N", one.value, one.value - half, one.value + half, one.value / one.error if one.error > 0.0 else None
+    )
 
 
 def _um(one: EquivalentSettlement) -> float:

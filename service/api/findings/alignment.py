@@ -77,7 +77,9 @@ class LoadNumber(BaseModel):
     unit: str
     before: float = Field(description="in the baseline, of all runs together")
     change: Determined
-    change_per_cent: float | None = Field(description="of the whole load before, of both directions; null where that is zero")
+    change_per_cent: float | None = Field(
+        description="of the load before in that direction; null where it carries less than a tenth of the whole load"
+    )
 
 
 class AlignmentOut(ComparedOut):
@@ -162,7 +164,6 @@ def _numbers(
 def _load(one: LoadChange) -> LoadNumber:
     said, half = describe(one.name), CONFIDENCE_95 * one.error
     change = Determined(value=one.value, lower=one.value - half, upper=one.value + half, reason=None)
-    part = 100.0 * one.value / one.carried if one.carried > 0.0 else None
     return LoadNumber(
         name=one.name,
         bearing=said.element_id,
@@ -170,7 +171,7 @@ def _load(one: LoadChange) -> LoadNumber:
         unit=UNITS["force"],
         before=one.before,
         change=change,
-        change_per_cent=part,
+        change_per_cent=None if one.part is None else 100.0 * one.part,
     )
 
 

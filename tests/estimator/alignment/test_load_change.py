@@ -33,7 +33,7 @@ def with_a_lone_shaft() -> Machine:
 
 @pytest.fixture(scope="module")
 def changes() -> dict[str, LoadChange]:
-    """What a shaft that sinks by 300 µm changes in the loads."""
+    """Changes of the loads by a shaft that sinks by 300 µm."""
     model = expected_model(with_a_lone_shaft())
     coordinates = model.coordinates_at(np.ones(1))
     surer = replace(model, covariance=np.diag((SURER * coordinates.spread * coordinates.unit) ** 2))
@@ -54,6 +54,15 @@ def test_a_shaft_that_nothing_joins_keeps_its_loads(changes: dict[str, LoadChang
 def test_bearings_beside_the_coupling_carry_more_or_less(changes: dict[str, LoadChange]) -> None:
     assert changes["bearing.B2.load_vertical"].value * changes["bearing.B3.load_vertical"].value < 0.0
     assert all(one.error >= 1e-6 * one.carried > 0.0 for one in changes.values())
+
+
+def test_a_direction_that_carries_next_to_nothing_has_no_part(changes: dict[str, LoadChange]) -> None:
+    for name, one in changes.items():
+        small = abs(one.before) < 0.1 * one.carried
+        assert (one.part is None) == small
+        assert small or one.part == pytest.approx(one.value / abs(one.before)), name
+    assert any(one.part is None for one in changes.values())
+    assert any(one.part is not None for one in changes.values())
 
 
 def test_what_is_less_than_masses_are_known_to_has_not_moved() -> None:
