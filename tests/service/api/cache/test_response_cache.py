@@ -239,6 +239,7 @@ class Busy:
 
     def __init__(self, database: Database) -> None:
         self.cache, self.go_on, self.order = ResponseCache(database), threading.Event(), list[str]()
+        self._begun = threading.Semaphore(0)
         self._tasks = list["asyncio.Task[Response]"]()
         for number in range(THREADS):
             self._asks(f"/first/{number}", "first", self._held)
@@ -259,7 +260,13 @@ class Busy:
         found = await asyncio.gather(*self._tasks, return_exceptions=True)
         return [place for place, one in enumerate(found[THREADS:]) if isinstance(one, NobodyWaits)]
 
+    async def no_thread_is_free(self) -> None:
+        """Wait until all threads are busy: on PostgreSQL, who asks first does not begin first."""
+        for _ in range(THREADS):
+            assert await asyncio.to_thread(self._begun.acquire, timeout=10)
+
     def _held(self) -> Response:
+        self._begun.release()
         assert self.go_on.wait(10)
         return Response(b"")
 
@@ -278,6 +285,7 @@ class Busy:
 def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Database) -> None:
     async def story() -> list[str]:
         busy = Busy(database)
+        await busy.no_thread_is_free()
         for number in range(20):
             busy.asks(f"/many/{number}", "impatient")
             await asyncio.sleep(0)
@@ -294,6 +302,7 @@ def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Datab
 def test_nothing_is_computed_for_those_who_have_hung_up(database: Database) -> None:
     async def story() -> tuple[list[int], list[str]]:
         busy = Busy(database)
+        await busy.no_thread_is_free()
         for number in range(3):
             busy.asks(f"/gone/{number}", "impatient", gone=True)
         busy.asks("/gone/1", "anna")
