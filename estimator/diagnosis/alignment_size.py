@@ -95,7 +95,14 @@ def _figures(known: Sequence[ToleratedChange]) -> Iterator[SizePart]:
 
 
 def has_moved(one: LoadChange) -> bool:
-    """Check whether a load has changed for certain, by more than masses are known to."""
+    """Check whether a load has changed for certain, by more than masses are known to.
+
+    Args:
+        one: The change.
+
+    Returns:
+        Whether it has.
+    """
     return abs(one.value) > max(CONFIDENCE_95 * one.error, WEIGHT_ERROR * one.carried)
 
 
