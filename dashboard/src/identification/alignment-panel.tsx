@@ -97,23 +97,12 @@ function Loads({ loads }: { loads: LoadNumber[] }) {
               <td>{one.bearing}</td>
               <th scope="row">{LOADS[one.quantity] ?? one.quantity}</th>
               <td class="number">{number(one.before)} {one.unit}</td>
-              <LoadCell load={one} />
+              <Cell told={one.change} unit={one.unit} part={one.change_per_cent} />
             </tr>
           ))}
         </tbody>
       </table>
     </Scroll>
-  );
-}
-
-function LoadCell({ load: { change, change_per_cent, unit } }: { load: LoadNumber }) {
-  const part = change_per_cent === null ? "" : ` (${number(change_per_cent)} %)`;
-  const scale = scaleOf(Math.max(...[change.value, change.lower, change.upper].map((one) => Math.abs(one ?? 0))), unit);
-  const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
-  return (
-    <td class="number">
-      {shown(change.value)} {scale.unit}{part} <small class="muted">{`${shown(change.lower)} … ${shown(change.upper)}`}</small>
-    </td>
   );
 }
 
@@ -138,13 +127,14 @@ function TargetCell({ target: { state, target, off, beyond }, unit }: { target: 
   );
 }
 
-function Cell({ told: { value, lower, upper, reason }, unit }: { told: Determined; unit: string }) {
+/** part: the number in per cent of what was before; null where that says nothing. */
+function Cell({ told: { value, lower, upper, reason }, unit, part = null }: { told: Determined; unit: string; part?: number | null }) {
   if (value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: reason && stored(reason) })}</td>;
   const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return (
     <td class="number">
-      {shown(value)} {scale.unit} <small class="muted">{`${shown(lower)} … ${shown(upper)}`}</small>
+      {shown(value)} {scale.unit}{part !== null && ` (${number(part)} %)`} <small class="muted">{`${shown(lower)} … ${shown(upper)}`}</small>
     </td>
   );
 }
