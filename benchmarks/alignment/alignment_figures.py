@@ -1,13 +1,13 @@
 """Figures of alignment: how many intervals hold, how wide they are, how often an angle is determined."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import numpy as np
 
-from benchmarks.alignment.alignment_trials import AlignmentTrial, ReportedInterval, kept_trials, trial_of
+from benchmarks.alignment.alignment_trials import AlignmentTrial, ReportedInterval, trial_name, trial_of
 from benchmarks.fluid_film.film_fits import LEAST_OF_A_KIND
 from benchmarks.fluid_film.report_line import ReportLine
+from benchmarks.kept_outcomes import is_kept
 from tests.film_plant.motor_compressor import CouplingKind
 
 COVERAGE = (0.93, 0.97)
@@ -24,13 +24,13 @@ QUANTITIES = ("offset", "angle", "load")
 VERTICAL = "coupling.C1.offset_vertical"
 
 
-def figures(kind: CouplingKind, plants: int, *, folder: Path | None = None, kept_only: bool = False) -> Iterator[ReportLine]:
+def figures(kind: CouplingKind, plants: int, *, kept_only: bool = False) -> Iterator[ReportLine]:
     """Yield the figures of plants with one kind of coupling.
 
-    folder: keeps what became of each plant. kept_only: only those of the plants that it keeps.
+    kept_only: only those of the plants whose trial is kept.
     """
-    seeds: Sequence[int] = kept_trials(kind, folder) if kept_only and folder is not None else range(plants)
-    trials = [trial_of(seed, kind, folder) for seed in seeds]
+    seeds = [seed for seed in range(plants) if not kept_only or is_kept(trial_name(seed, kind))]
+    trials = [trial_of(seed, kind) for seed in seeds]
     plants = len(trials)
     if not trials:
         return

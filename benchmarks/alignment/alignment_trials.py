@@ -1,15 +1,14 @@
 """Trials of alignment: a misaligned plant of other make, a baseline of its runs, and one run after its coupling has moved."""
 
-import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from msgspec import structs
 
 from benchmarks.fluid_film.film_trials import OPTIONS
+from benchmarks.kept_outcomes import kept_or_computed
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.alignment.load_change import load_changes
 from estimator.fit.estimates import CONFIDENCE_95
@@ -84,27 +83,14 @@ def plant_of(seed: int, kind: CouplingKind) -> Plant:
     return reference_plant(seed, kind, priors=ONE_SUPPLY, discrepancy=DiscrepancySize(), alter=left_off(kind))
 
 
-def trial_of(seed: int, kind: CouplingKind, folder: Path | None) -> AlignmentTrial:
-    """Return what became of a plant; from the folder where it was computed before."""
-    path = None if folder is None else folder / f"trial-{kind}-{seed}.json"
-    if path is not None and path.exists():
-        return _restored(json.loads(path.read_text(encoding="utf-8")))
-    found = alignment_trial(seed, kind)
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(asdict(found)), encoding="utf-8")
-    return found
+def trial_of(seed: int, kind: CouplingKind) -> AlignmentTrial:
+    """Return what became of a plant, computed where it is not kept."""
+    return kept_or_computed(trial_name(seed, kind), AlignmentTrial, partial(alignment_trial, seed, kind))
 
 
-def kept_trials(kind: CouplingKind, folder: Path) -> list[int]:
-    """Return the seeds of the plants that a folder keeps."""
-    return sorted(int(one.stem.rpartition("-")[2]) for one in folder.glob(f"trial-{kind}-*.json"))
-
-
-def _restored(said: dict[str, Any]) -> AlignmentTrial:
-    intervals = {name: tuple(ReportedInterval(**one) for one in said[name]) for name in ("absolute", "changes", "centred")}
-    texts = {name: tuple(said[name]) for name in ("verdicts", "withheld")}
-    return AlignmentTrial(**(said | intervals | texts))
+def trial_name(seed: int, kind: CouplingKind) -> str:
+    """Return the name under which the trial of a plant is kept."""
+    return f"alignment, {kind}, {seed}"
 
 
 def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:

@@ -1,14 +1,14 @@
 """A fleet on oil films: every week through the gate, the real fit, and the service's own assessment, without a database."""
 
-import json
 import time
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from benchmarks.alignment.film_histories import FilmHistory
+from benchmarks.kept_outcomes import kept_or_computed
 from estimator.diagnosis.observation import observed_fit
 from estimator.fit.identification import Identification, Options
 from estimator.identification.quality_gate import identify_gated
@@ -85,35 +85,14 @@ class FleetRecord:
     processor_s: float
 
 
-def record_of(history: FilmHistory, *, weeks: int, folder: Path | None) -> FleetRecord:
-    """Return what became of a machine; from the folder where it was computed before."""
-    path = _kept_at(history, weeks, folder)
-    if path is not None and path.exists():
-        return _restored(json.loads(path.read_text(encoding="utf-8")))
-    found = _lived(history, weeks)
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(asdict(found)), encoding="utf-8")
-    return found
+def record_of(history: FilmHistory, *, weeks: int) -> FleetRecord:
+    """Return what became of a machine, computed where it is not kept."""
+    return kept_or_computed(record_name(history, weeks=weeks), FleetRecord, partial(_lived, history, weeks))
 
 
-def is_kept(history: FilmHistory, *, weeks: int, folder: Path | None) -> bool:
-    """Return whether the folder keeps what became of a machine."""
-    path = _kept_at(history, weeks, folder)
-    return path is not None and path.exists()
-
-
-def _kept_at(history: FilmHistory, weeks: int, folder: Path | None) -> Path | None:
-    return None if folder is None else folder / f"{history.kind}-{history.happening}-{history.seed}-{weeks}.json"
-
-
-def _restored(said: dict[str, Any]) -> FleetRecord:
-    standing = tuple(tuple((rule, element, severity) for rule, element, severity in week) for week in said["standing"])
-    named = None if said["named"] is None else (said["named"][0], said["named"][1])
-    opened = tuple(OpenedAlert(**one) for one in said["opened"])
-    whole = {"opened": opened, "standing": standing, "named": named}
-    whole |= {name: tuple(said[name]) for name in ("refused", "offsets")}
-    return FleetRecord(**(said | whole))
+def record_name(history: FilmHistory, *, weeks: int) -> str:
+    """Return the name under which it is kept what became of a machine."""
+    return f"fleet, {history.kind}, {history.happening}, {history.seed}, {weeks} weeks, from {history.onset}"
 
 
 class _Life:

@@ -1,14 +1,14 @@
 """Figures of a fleet on oil films: what is named, how soon, how far off, and how often nothing was there."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import numpy as np
 
-from benchmarks.alignment.film_fleet import FleetRecord, is_kept, record_of
+from benchmarks.alignment.film_fleet import FleetRecord, record_name, record_of
 from benchmarks.alignment.film_histories import HAPPENINGS, LONGEST_BASELINE, RUN_OUTS, WEEKS_A_YEAR, FilmHistory, Happening
 from benchmarks.fleet.report import part_interval, rate_bound
 from benchmarks.fluid_film.report_line import ReportLine
+from benchmarks.kept_outcomes import is_kept
 from tests.film_plant.motor_compressor import CouplingKind
 
 SOON: dict[Happening, int] = {
@@ -42,12 +42,10 @@ NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
 
 
-def fleet_figures(
-    kind: CouplingKind, machines: int, *, weeks: int, folder: Path | None, kept_only: bool = False
-) -> Iterator[ReportLine]:
+def fleet_figures(kind: CouplingKind, machines: int, *, weeks: int, kept_only: bool = False) -> Iterator[ReportLine]:
     """Yield the figures of a fleet with one kind of coupling: so many machines for each thing that happens.
 
-    kept_only: only those of which the folder keeps what became of them.
+    kept_only: only those of which it is kept what became of them.
     """
     found: dict[Happening, list[FleetRecord]] = {}
     for number, happening in enumerate(HAPPENINGS):
@@ -55,8 +53,8 @@ def fleet_figures(
         for seed in range(machines):
             onset = weeks if happening == "healthy" else LONGEST_BASELINE + 2 + seed % 5
             history = FilmHistory(100 * number + seed, kind, happening, onset)
-            if not kept_only or is_kept(history, weeks=weeks, folder=folder):
-                found[happening].append(record_of(history, weeks=weeks, folder=folder))
+            if not kept_only or is_kept(record_name(history, weeks=weeks)):
+                found[happening].append(record_of(history, weeks=weeks))
     every = [one for records in found.values() for one in records]
     if not every:
         return
@@ -73,7 +71,7 @@ def run_out_figures(kind: CouplingKind, machines: int) -> Iterator[ReportLine]:
         soon = SOON[happening]
         onset = LONGEST_BASELINE + 1
         histories = [FilmHistory(seed, kind, happening, onset) for seed in range(machines)]
-        found = [record_of(one, weeks=onset + soon, folder=None) for one in histories]
+        found = [record_of(one, weeks=onset + soon) for one in histories]
         yield _named(happening, found, soon)
         others = {(alert.rule, alert.element) for one in found for alert in one.opened} - {found[0].named}
         told = ", ".join(f"{rule} {element}" for rule, element in sorted(others)) or "nothing"

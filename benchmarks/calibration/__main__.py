@@ -18,7 +18,6 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.calibration.conventions import conventions_figures
 from benchmarks.calibration.field_balancing import measured_kit, printed_balancing
-from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.calibration.rotor_kit import HeldOut, by_least_squares, by_model, folds, gathered, kit
 from benchmarks.calibration.simulated_kit import later_changes
 from benchmarks.calibration.simulated_trains import TRAINS, train_lines
@@ -89,7 +88,7 @@ def _sweeps(_: bool) -> Iterator[ReportLine]:
 
 def _trains(_: bool) -> Iterator[ReportLine]:
     for name, count in TRAINS.items():
-        yield from train_lines([name], count, KeptOutcomes())
+        yield from train_lines([name], count)
 
 
 def _shared_conditions(short: bool) -> Iterator[ReportLine]:

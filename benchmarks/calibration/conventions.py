@@ -20,8 +20,8 @@ import numpy as np
 import threadpoolctl
 import yaml
 
-from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.fluid_film.report_line import ReportLine
+from benchmarks.kept_outcomes import KEEPING, KeptOutcomes, kept_or_computed
 from estimator.arrays import Complexes
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
@@ -62,27 +62,21 @@ class Sent:
     weighed: bool = False
 
 
-def conventions_figures(
-    trials: int = TRIALS, right_runs: int = RIGHT_RUNS, outcomes: KeptOutcomes | None = None
-) -> Iterator[ReportLine]:
-    """Yield on how many right runs a convention is named, and how often each wrong one is named rightly.
-
-    outcomes: those of earlier runs, which are not computed again.
-    """
-    kept = outcomes or KeptOutcomes()
-    yield from _right_runs(right_runs, kept)
+def conventions_figures(trials: int = TRIALS, right_runs: int = RIGHT_RUNS) -> Iterator[ReportLine]:
+    """Yield on how many right runs a convention is named, and how often each wrong one is named rightly."""
+    yield from _right_runs(right_runs)
     for name in TRAINS if trials else ():
         for nominal in (True, False):
-            yield from _of_a_train(name, trials, kept, nominal=nominal)
+            yield from _of_a_train(name, trials, nominal=nominal)
 
 
-def _of_a_train(name: str, trials: int, kept: KeptOutcomes, *, nominal: bool) -> Iterator[ReportLine]:
+def _of_a_train(name: str, trials: int, *, nominal: bool) -> Iterator[ReportLine]:
     what = f"{name}, {'nominal stiffness within 30 %' if nominal else 'no nominal stiffness'}"
     worst: dict[str, list[bool]] = {}
     for seed in range(trials):
         for label, one in _conventions(_machine(name), np.random.default_rng(seed)).items():
             trial = partial(_named_rightly, name, one, seed, nominal=nominal)
-            worst.setdefault(label, []).append(kept.of(f"{what}: {label}, {seed}", trial))
+            worst.setdefault(label, []).append(kept_or_computed(f"{what}: {label}, {seed}", bool, trial))
     every = [right for listed in worst.values() for right in listed]
     part = sum(every) / len(every)
     yield ReportLine(f"{what}: named rightly", ">= 95 %", f"{part:.0%} of {len(every)}", part >= LEAST_NAMED)
@@ -124,11 +118,11 @@ def _named_rightly(name: str, sent: Sent, seed: int, *, nominal: bool) -> bool:
     return sent.named in named and (len(named) == 1 or named == MIRRORED)
 
 
-def _right_runs(count: int, kept: KeptOutcomes) -> Iterator[ReportLine]:
+def _right_runs(count: int) -> Iterator[ReportLine]:
     """Yield on how many right runs a convention is named, with right documents and with wrong ones."""
-    told = [kept.of(f"right run {seed}, coarsely", partial(_coarsely_better, seed)) for seed in range(count)]
+    told = [kept_or_computed(f"right run {seed}, coarsely", bool, partial(_coarsely_better, seed)) for seed in range(count)]
     fitted = [seed for seed, better in enumerate(told) if better or seed % FITTED == 0]
-    found = [kept.of(f"right run {seed}", partial(_right_run, seed)) for seed in fitted]
+    found = [kept_or_computed(f"right run {seed}", tuple[bool, bool], partial(_right_run, seed)) for seed in fitted]
     refused, named = (sum(one[place] for one in found) for place in (0, 1))
     words = f"named on {count} right runs ({sum(told)} doubted coarsely, {len(found)} fitted, {refused} of these refused)"
     yield ReportLine(words, "0", str(named), named == 0)
@@ -218,11 +212,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration.conventions", description="Wrong conventions")
     parser.add_argument("--trials", type=int, default=TRIALS, help="of each wrong convention on each train")
     parser.add_argument("--runs", type=int, default=RIGHT_RUNS, help="right runs, on which none may be named")
-    parser.add_argument("--results", type=Path, help="file that keeps outcomes; what stands in it is not computed again")
+    parser.add_argument("--keep", type=Path, help="file that keeps outcomes, from which a run of this code goes on")
     asked = parser.parse_args()
+    if asked.keep is not None:
+        KEEPING.set(KeptOutcomes(asked.keep))
     with threadpoolctl.threadpool_limits(1):
         lines = []
-        for line in conventions_figures(asked.trials, asked.runs, KeptOutcomes(asked.results)):
+        for line in conventions_figures(asked.trials, asked.runs):
             print(line, flush=True)
             lines.append(line)
     sys.exit(0 if all(line.kept for line in lines) else 1)

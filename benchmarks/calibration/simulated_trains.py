@@ -15,9 +15,9 @@ import numpy as np
 import threadpoolctl
 from msgspec import structs
 
-from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.calibration.rotor_kit import ROOT, HeldOut
 from benchmarks.fluid_film.report_line import ReportLine
+from benchmarks.kept_outcomes import KEEPING, KeptOutcomes, kept_or_computed
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.calibrate import Calibrated, calibrate
 from estimator.calibration.calibration_runs import CalibrationRun
@@ -111,11 +111,14 @@ def later_changes_of_train(name: str, seed: int) -> HeldOut | None:
     return HeldOut(np.array(true), np.array(changes), np.array(covariance))
 
 
-def train_lines(names: Sequence[str], count: int, kept: KeptOutcomes) -> Iterator[ReportLine]:
-    """Yield how many intervals hold for some trains like each example; outcomes that are kept are not computed again."""
+def train_lines(names: Sequence[str], count: int) -> Iterator[ReportLine]:
+    """Yield how many intervals hold for some trains like each example."""
     for name in names:
-        told = [kept.of(f"{name}, {seed}", partial(_outcome, name, seed)) for seed in range(count)]
-        found = [one for one in told if one is not None]
+        told = [
+            kept_or_computed(f"trains, {name}, {seed}", tuple[int, int], partial(_outcome, name, seed))
+            for seed in range(count)
+        ]
+        found = [one for one in told if one[1]]
         held, total = sum(one[0] for one in found), sum(one[1] for one in found)
         part = held / total if total else 0.0
         words = f"simulated {name}, {count} trains, {count - len(found)} refused: intervals hold"
@@ -123,11 +126,11 @@ def train_lines(names: Sequence[str], count: int, kept: KeptOutcomes) -> Iterato
         yield ReportLine(words, "93-97 %", f"{part:.1%} of {total}" if total else "none accepted", kept_up)
 
 
-def _outcome(name: str, seed: int) -> tuple[int, int] | None:
-    """Return how many intervals of a train hold, and of how many; None where its calibration is refused."""
+def _outcome(name: str, seed: int) -> tuple[int, int]:
+    """Return how many intervals of a train hold, and of how many; none where its calibration is refused."""
     found = later_changes_of_train(name, seed)
     if found is None:
-        return None
+        return 0, 0
     total = 2 * found.true.size
     return round(found.covered * total), total
 
@@ -137,11 +140,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration.simulated_trains", description="Simulated trains")
     parser.add_argument("--count", type=int, default=6, help="of trains like each example")
     parser.add_argument("--train", action="append", choices=EVERY, help="an example; by default all")
-    parser.add_argument("--results", type=Path, help="file that keeps outcomes; what stands in it is not computed again")
+    parser.add_argument("--keep", type=Path, help="file that keeps outcomes, from which a run of this code goes on")
     asked = parser.parse_args()
+    if asked.keep is not None:
+        KEEPING.set(KeptOutcomes(asked.keep))
     with threadpoolctl.threadpool_limits(1):
         lines = []
-        for line in train_lines(asked.train or EVERY, asked.count, KeptOutcomes(asked.results)):
+        for line in train_lines(asked.train or EVERY, asked.count):
             print(line, flush=True)
             lines.append(line)
     sys.exit(0 if all(line.kept for line in lines) else 1)

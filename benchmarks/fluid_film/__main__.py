@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
-from benchmarks.fluid_film.kept_trials import KEEPING, KeptTrials
 from benchmarks.fluid_film.kinds_of_trains import lobes, other_trains, pads, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.page import write_page
@@ -24,6 +23,7 @@ from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.sweep import sweep
 from benchmarks.fluid_film.tilting_pads import tilting_pads
 from benchmarks.fluid_film.wrong_documents import wrong_documents
+from benchmarks.kept_outcomes import KEEPING, KeptOutcomes
 
 PARTS: dict[str, Callable[[int], list[ReportLine]]] = {
     "films": films,
@@ -54,10 +54,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--plants", nargs="+", type=counted, default=[("", USUAL_PLANTS)], metavar="N", help=words)
     parser.add_argument("--only", nargs="*", choices=tuple(PARTS))
     parser.add_argument("--write", action="store_true", help="write docs/evidence-films.md with its figures")
-    parser.add_argument("--keep", type=Path, help="file of trials by films, from which a run of this commit goes on")
+    parser.add_argument("--keep", type=Path, help="file that keeps trials, from which a run of this code goes on")
     chosen = parser.parse_args(arguments)
     if chosen.keep is not None:
-        KEEPING.set(KeptTrials(chosen.keep))
+        KEEPING.set(KeptOutcomes(chosen.keep))
     asked: dict[str, int] = dict(chosen.plants)
     usual = asked.get("", USUAL_PLANTS)
     plants = {name: SHORT_PLANTS if chosen.short else asked.get(name, usual) for name in PARTS}

@@ -6,13 +6,13 @@ import numpy as np
 
 from benchmarks.fluid_film.film_trials import (
     KINDS,
+    FilmTrial,
     coverage_by_kind,
     kind_of,
     mean_coverage,
     told_coverage,
     trials_of,
 )
-from benchmarks.fluid_film.kept_trials import FilmTrial
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.plant import Plant

@@ -3,13 +3,14 @@
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from benchmarks.fluid_film.film_bound import film_bound
-from benchmarks.fluid_film.kept_trials import FilmTrial, kept_or_computed
+from benchmarks.kept_outcomes import kept_or_computed
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
@@ -28,9 +29,36 @@ KINDS = ("clearance", "viscosity", "unbalance", "elevation", "load", "stiffness"
 ASKED_KINDS = tuple(one for one in KINDS if one != "elevation")
 """Kinds over whose coverage the mean is taken."""
 
-
 Describe = Callable[[Plant, int], dict[str, Any]]
 """Function of a plant and its seed that returns its document."""
+
+
+@dataclass(frozen=True)
+class FilmTrial:
+    """One identification by films.
+
+    Attributes:
+        accepted: Whether it was accepted.
+        verdict: Its verdict.
+        took: Processor time of the identification [s].
+        again: Processor time of the identification of another run that starts from this one's end [s]; 0 where it was refused.
+        inside: By kind, which intervals hold the truth; empty where it was refused.
+        errors: By name, with the place of a speed in its stead, error over the bound; empty where it was refused or no bound
+            was asked for.
+        widths: Standard errors of direct stiffness terms over their bounds.
+        failed: Whether it ended with an error of the linear algebra in place of a verdict.
+        withheld: Part of the parameters that are not estimable, where that was asked for.
+    """
+
+    accepted: bool
+    verdict: str
+    took: float
+    again: float = 0.0
+    inside: dict[str, list[bool]] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    widths: tuple[float, ...] = ()
+    failed: bool = False
+    withheld: float = 0.0
 
 
 def by_films(plant: Plant, _: int) -> dict[str, Any]:
@@ -127,7 +155,7 @@ def trials_of(
     def computed(seed: int) -> FilmTrial:
         return film_trial(make(seed), seed=seed, bounded=bounded, document=document)
 
-    return [kept_or_computed(what, seed, partial(computed, seed)) for seed in seeds]
+    return [kept_or_computed(f"{what}, {seed}", FilmTrial, partial(computed, seed)) for seed in seeds]
 
 
 def _of_kind(truth: Truths, kind: str) -> Truths:

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fluid_film.film_trials import mean_coverage, told_coverage, trials_of
-from benchmarks.fluid_film.kept_trials import FilmTrial
+from benchmarks.fluid_film.film_trials import FilmTrial, mean_coverage, told_coverage, trials_of
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, with_pedestals

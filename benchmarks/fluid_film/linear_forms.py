@@ -1,13 +1,15 @@
 """Linear coefficients with forms over speed: on films, which follow none of them, and on trains that follow them exactly."""
 
 import time
+from collections.abc import Callable
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from benchmarks.fluid_film.kept_trials import FilmTrial, kept_or_computed
+from benchmarks.fluid_film.film_trials import FilmTrial
 from benchmarks.fluid_film.report_line import ReportLine
+from benchmarks.kept_outcomes import kept_or_computed
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine
@@ -45,12 +47,16 @@ def own_forms(plants: int) -> list[ReportLine]:
     return [figure for form in FORMS for figure in _own_form(form, plants)]
 
 
+def _kept(what: str, compute: Callable[[int], FilmTrial], plants: int) -> list[FilmTrial]:
+    return [kept_or_computed(f"{what}, {seed}", FilmTrial, partial(compute, seed)) for seed in range(plants)]
+
+
 def _wrong_form(form: tuple[Form, int, Terms], plants: int) -> ReportLine:
     def computed(seed: int) -> FilmTrial:
         plant, machine = _plant(form, seed)
         return _trial(machine, measured(plant), true_values(plant, machine))
 
-    trials = [kept_or_computed(f"films with {_name(form)}", seed, partial(computed, seed)) for seed in range(plants)]
+    trials = _kept(f"films with {_name(form)}", computed, plants)
     refused, slowest = sum(not one.accepted for one in trials), max(one.took for one in trials)
     inside = [held for one in trials for held in one.inside.get(LINEAR, ())]
     coverage = float(np.mean(inside)) if inside else 1.0
@@ -65,7 +71,7 @@ def _own_form(form: tuple[Form, int, Terms], plants: int) -> list[ReportLine]:
         data = own_form_data(plant, machine, seed=seed)
         return FilmTrial(False, UNSTABLE, 0.0, failed=True) if data is None else _trial(machine, *data)
 
-    trials = [kept_or_computed(f"right {_name(form)}", seed, partial(computed, seed)) for seed in range(plants)]
+    trials = _kept(f"right {_name(form)}", computed, plants)
     trials = [one for one in trials if not one.failed]
     accepted = float(np.mean([one.accepted for one in trials])) if trials else 0.0
     inside = [held for one in trials for held in one.inside.get(LINEAR, ())]

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from benchmarks.fluid_film.drawings import coefficients_over_speed, coverage_by_kind
 from benchmarks.fluid_film.film_fits import FEWEST, MOTOR_COMPRESSORS
-from benchmarks.fluid_film.kept_trials import commit
 from benchmarks.fluid_film.kinds_of_trains import FIRST_SEED, MOST_PLANTS
 from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.wrong_documents import FIRST_SEED as FIRST_WRONG_SEED
+from benchmarks.kept_outcomes import commit
 from benchmarks.thesis.tables import paragraphs, table
 
 DOCS = Path(__file__).parents[2] / "docs"

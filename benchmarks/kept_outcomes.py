@@ -1,0 +1,87 @@
+"""Outcomes of trials kept in a file, so that a benchmark of hours that is stopped goes on where it was."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+import numpy as np
+
+ROOT = Path(__file__).parents[1]
+CODE = ("benchmarks", "estimator", "examples", "formats", "rotorundown", "service", "tests/film_plant")
+"""Folders on whose files an outcome rests."""
+Outcome = TypeVar("Outcome")
+
+
+class KeptOutcomes:
+    """Outcomes by name in a file, a line of JSON each: those of this code are taken from it, others computed and added."""
+
+    def __init__(self, file: Path) -> None:
+        """Read the outcomes of earlier runs of this code; a line that was cut short is left out and computed again."""
+        self._file = file
+        self._commit = commit()
+        self._known: dict[str, Any] = {}
+        for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else []:
+            try:
+                row = json.loads(line)
+            except ValueError:
+                continue
+            if row["commit"] == self._commit:
+                self._known[row["name"]] = row["outcome"]
+
+    def __contains__(self, name: str) -> bool:
+        """Return whether the outcome of a name is kept."""
+        return name in self._known
+
+    def outcome(self, name: str, kind: type[Outcome], compute: Callable[[], Outcome]) -> Outcome:
+        """Return an outcome, computed and kept where it is not known yet.
+
+        name: of the trial, which no other has. kind: type of the outcome. compute: makes it.
+        """
+        if name in self._known:
+            return msgspec.convert(self._known[name], kind)
+        found = compute()
+        self._known[name] = msgspec.to_builtins(found, enc_hook=_without_numpy)
+        with self._file.open("a", encoding="utf-8") as file:
+            line = json.dumps({"commit": self._commit, "name": name, "outcome": self._known[name]})
+            file.write(f"\n{line}")  # on a line of its own also after one that was cut short
+        return found
+
+
+KEEPING: ContextVar[KeptOutcomes | None] = ContextVar("KEEPING", default=None)
+"""Outcomes that the running benchmark keeps; None where it keeps none."""
+
+
+def kept_or_computed(name: str, kind: type[Outcome], compute: Callable[[], Outcome]) -> Outcome:
+    """Return the outcome that is kept under a name, else the one that is computed."""
+    keeping = KEEPING.get()
+    return compute() if keeping is None else keeping.outcome(name, kind, compute)
+
+
+def is_kept(name: str) -> bool:
+    """Return whether an outcome is kept under a name."""
+    keeping = KEEPING.get()
+    return keeping is not None and name in keeping
+
+
+def commit() -> str:
+    """Return the commit that last changed the code, with a word where files differ from it; "unknown" outside a repository."""
+    try:
+        name = _git("log", "-1", "--format=%h", "--", *CODE)
+        changed = _git("status", "--porcelain", "--untracked-files=no", "--", *CODE)
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return f"{name} with changes" if changed else name
+
+
+def _git(*arguments: str) -> str:
+    return subprocess.run(["git", *arguments], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def _without_numpy(value: object) -> object:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} cannot be kept as JSON")
