@@ -8,12 +8,12 @@ Trains and noise: `benchmarks/estimator/trains.py`. Everything runs on one BLAS 
 import argparse
 import copy
 import math
-import resource
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import scipy.optimize
@@ -258,10 +258,16 @@ def _peak_memory(name: str) -> tuple[float, float]:
 def _measure_memory(name: str) -> None:
     train = dense_speeds(MEMORY_SPEEDS) if name == "two_shafts" else three_shafts(MEMORY_SPEEDS)
     machine, measurement = train.machine, train.measured(0)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = _own_peak_memory()
     identify(machine, measurement)
-    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(after / 1024, (after - before) / 1024)
+    after = _own_peak_memory()
+    print(after, after - before)
+
+
+def _own_peak_memory() -> float:
+    """Return the largest memory of this process [MiB]; getrusage would tell that of the process that started it, if larger."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return int(status.partition("VmHWM:")[2].split()[0]) / 1024
 
 
 def _median_time(call: Callable[[], object], repeats: int) -> float:

@@ -100,10 +100,14 @@ from service.edge.files import read_chunks
 
 used = read_configuration(Path(sys.argv[1]))
 stream, blocks = BlockStream(block_settings(used)), 0
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+def peak():
+    # getrusage would tell the peak of the process that started this one, where that is larger
+    return int(Path("/proc/self/status").read_text().partition("VmHWM:")[2].split()[0])
+
+before = peak()
 for chunk in read_chunks(used.waveforms.files[0], used.waveforms, used.columns, Conditions()):
     blocks += sum(1 for _ in stream.feed(chunk))
-print(blocks, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+print(blocks, peak() - before)
 """
 
 

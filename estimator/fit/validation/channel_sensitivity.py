@@ -23,7 +23,9 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
 from estimator.machine.parts import RotatingError
+from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import condense
+from estimator.rotor.parameters import unknowns
 from estimator.rotor.response import excitation_responses
 
 MOSTLY_LEFT_OUT = 0.3
@@ -177,16 +179,23 @@ def _rotating_errors(problem: FitProblem, theta: Floats) -> _RotatingErrors:
     described = None if problem.train.machine is None else with_run_outs(problem.train.machine, keep=False)
     if described is None:
         return _RotatingErrors((), np.zeros(0), np.zeros((0, 0, 0), dtype=complex))
-    train = condense(described, speed=problem.train.speed, direction=problem.train.direction)
+    excitations = unknowns(described, assemble_rotor(described)).excitations
+    turning = [k for k, one in enumerate(excitations) if describe(one.name).quantity in ROTATING_ERRORS]
+    unit = np.repeat([ROTATING_UNIT[describe(excitations[k].name).quantity] for k in turning], 2)
+    moved = np.concatenate([_moved(problem, described, theta, turning, block) for block in problem.train.blocks()], axis=1)
+    names = tuple(f"{excitations[k].name}.{part}" for k in turning for part in COMPONENTS)
+    return _RotatingErrors(names, unit, moved * unit[:, None, None] * problem.coordinates.channels.gains(theta))
+
+
+def _moved(problem: FitProblem, described: Machine, theta: Floats, turning: list[int], block: slice) -> Complexes:
+    """Return what a unit of each part of some excitations adds to the readings at a block of speeds (r, S, m) [m]."""
+    whole = problem.train
+    train = condense(described, speed=whole.speed[block], direction=whole.direction[block])
     if problem.coordinates.scale_place.size:
         train = train.scaled(problem.coordinates.scales(theta))
-    each = excitation_responses(train, coefficients=problem.coordinates.coefficients(theta))
-    turning = [k for k, one in enumerate(train.unknowns.excitations) if describe(one.name).quantity in ROTATING_ERRORS]
-    sizes = [ROTATING_UNIT[describe(train.unknowns.excitations[k].name).quantity] for k in turning]
-    unit = np.repeat(sizes, 2)
-    moved = each.reshape(-1, 2, *each.shape[1:])[turning].reshape(-1, *each.shape[1:])
-    names = tuple(f"{train.unknowns.excitations[k].name}.{part}" for k in turning for part in COMPONENTS)
-    return _RotatingErrors(names, unit, moved * unit[:, None, None] * problem.coordinates.channels.gains(theta))
+    coefficients = problem.coordinates.coefficients(theta)
+    each = excitation_responses(train, coefficients=coefficients if coefficients.ndim == 1 else coefficients[block])
+    return each.reshape(-1, 2, *each.shape[1:])[turning].reshape(-1, *each.shape[1:])
 
 
 def with_run_outs(machine: Machine, *, keep: bool) -> Machine | None:
