@@ -13,7 +13,7 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 CODE = ("benchmarks", "estimator", "examples", "formats", "rotorundown", "service", "tests/film_plant")
 """Folders on whose files an outcome rests."""
-Outcome = TypeVar("Outcome")
+T = TypeVar("T")
 
 
 class KeptOutcomes:
@@ -36,10 +36,10 @@ class KeptOutcomes:
         """Return whether the outcome of a name is kept."""
         return name in self._known
 
-    def outcome(self, name: str, kind: type[Outcome], compute: Callable[[], Outcome]) -> Outcome:
+    def outcome(self, name: str, kind: type[T], compute: Callable[[], T]) -> T:
         """Return an outcome, computed and kept where it is not known yet.
 
-        name: of the trial, which no other has. kind: type of the outcome. compute: makes it.
+        name: name of the trial, which no other has. kind: type of its outcome. compute: function that makes it.
         """
         if name in self._known:
             return msgspec.convert(self._known[name], kind)
@@ -55,7 +55,7 @@ KEEPING: ContextVar[KeptOutcomes | None] = ContextVar("KEEPING", default=None)
 """Outcomes that the running benchmark keeps; None where it keeps none."""
 
 
-def kept_or_computed(name: str, kind: type[Outcome], compute: Callable[[], Outcome]) -> Outcome:
+def kept_or_computed(name: str, kind: type[T], compute: Callable[[], T]) -> T:
     """Return the outcome that is kept under a name, else the one that is computed."""
     keeping = KEEPING.get()
     return compute() if keeping is None else keeping.outcome(name, kind, compute)

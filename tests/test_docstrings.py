@@ -5,6 +5,7 @@ examples and the documentation's build no docstring begins with "What …", "How
 """
 
 import ast
+import builtins
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -114,6 +115,38 @@ def test_fields_are_explained_in_whole_words() -> None:
     ]
     assert found == []
     assert GLOSS.search("A message. size: of the whole message [bytes].")
+
+
+RAISED = re.compile(r"\b[Rr]aises?:?\s+((?:[^.;\n]|\n(?!\s*\n))*)")
+"""Text behind "Raises" in a docstring, up to the end of the sentence."""
+CLASS_NAME = re.compile(r"\b[A-Z][a-z]+[A-Z]\w*")
+OF_LIBRARIES = {"UaStatusCodeError"}
+"""Errors that libraries raise and that no file of ours names in its code."""
+
+
+def unknown_errors(source: str, known: frozenset[str]) -> list[str]:
+    """Return the classes that docstrings of a file say are raised and that it neither imports nor anything defines."""
+    tree = parsed(source)
+    own = {
+        one.asname or one.name
+        for node in statements(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for one in node.names
+    }
+    own |= {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    texts = [ast.get_docstring(node) or "" for node in statements(tree) if isinstance(node, ast.ClassDef | Function)]
+    named = {name for text in texts for clause in RAISED.findall(text) for name in CLASS_NAME.findall(clause)}
+    return sorted(named - own - known - OF_LIBRARIES)
+
+
+def test_errors_that_docstrings_name_exist() -> None:
+    every = [*FILES, *sorted((ROOT / "estimator").rglob("*.py"))]
+    nodes = (node for path in every for node in statements(parsed(path.read_text())))
+    known = frozenset({*dir(builtins), *(node.name for node in nodes if isinstance(node, ast.ClassDef))})
+    found = {path.relative_to(ROOT).as_posix(): unknown_errors(path.read_text(), known) for path in every}
+    assert {path: names for path, names in found.items() if names} == {}
+    wrong = 'def held() -> None:\n    """Check the lease. Raises NotHeld, KeyError."""\n'
+    assert unknown_errors(wrong, known) == ["NotHeld"]
 
 
 def _missing(node: ast.Module | ast.ClassDef) -> Iterator[str]:

@@ -51,8 +51,11 @@ class AllowedAlignment:
 
         Returns:
             The limit of its magnitude [m, rad].
+
+        Raises:
+            KeyError: It is no offset or angle of a coupling.
         """
-        return self.offset if quantity.startswith("offset") else self.angle
+        return {"offset": self.offset, "angle": self.angle}[quantity.partition("_")[0]]
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ SMALLEST_STIFFNESS = 1e3
 """Direct stiffness of a film below which another unit was probably meant [N/m]."""
 LEAST_DAMPED = 5e-3
 """Direct damping times the speed over the stiffness below which another unit was probably meant [-]."""
-WIDEST_HOLE = 0.7
+WIDEST_GAP = 0.7
 """Part of a machine's speed range without a speed of the table that is warned of [-]."""
 
 MIN_ITEMS: JsonDict = {"minItems": FEWEST_SPEEDS}
@@ -301,7 +301,7 @@ class Table(FormDefaults, TableColumns):
             beyond = " and ".join(f"from {low:g} to {high:g}" for low, high in ranges)
             words = f"the table covers {first:g} to {last:g} r/min and is held level beyond its ends, {beyond} r/min"
             yield "speed_rpm", words
-        yield from self._holes(lowest_rpm, highest_rpm)
+        yield from self._gaps(lowest_rpm, highest_rpm)
         if self.over_load and self.load is not None:
             least, most = self.over_load[0].load, self.over_load[-1].load
             if not least <= self.load <= most:
@@ -320,11 +320,11 @@ class Table(FormDefaults, TableColumns):
                     )
                     yield damping, f"{words} of it; was N s/mm meant?"
 
-    def _holes(self, lowest_rpm: float, highest_rpm: float) -> Iterator[tuple[str, str]]:
+    def _gaps(self, lowest_rpm: float, highest_rpm: float) -> Iterator[tuple[str, str]]:
         """Yield wide parts of a machine's speed range [r/min] in which the table has no speed."""
         for low, high in itertools.pairwise(self.speed_rpm):
             part = (min(high, highest_rpm) - max(low, lowest_rpm)) / (highest_rpm - lowest_rpm)
-            if part > WIDEST_HOLE:
+            if part > WIDEST_GAP:
                 words = (
                     f"no speed between {low:g} and {high:g} r/min, {100 * part:.0f} % of the machine's range: the course there"
                 )

@@ -17,7 +17,7 @@ STATED_WEIGHT = 0.2
 LEAST_WEIGHT, MOST_WEIGHT = 0.25, 100.0
 """Bounds on the number of observations that the common size counts for [-]."""
 FEW_WEIGHT = 0.5
-"""That number where too few sizes are shown to compare them [-]."""
+"""Number of observations that the common size counts for where too few sizes are shown to compare them [-]."""
 LEAST_SHOWN = 0.2
 """Complex degrees of freedom from which on a size counts as shown [-]."""
 FEWEST = 3

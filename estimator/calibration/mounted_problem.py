@@ -101,7 +101,7 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         return np.asarray(phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference))
 
     def unexplained_part(self, theta: Floats) -> float:
-        """Compute how large what differs between mountings is beside what the known unbalances do.
+        """Compute the ratio of the differences between mountings to the effects of the known unbalances.
 
         Args:
             theta: Fit coordinates θ (n,) [-].

@@ -89,7 +89,7 @@ class Reference:
     hypotheses: tuple[Hypothesis, ...]
     together: Floats
     slow: Floats
-    _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
+    _likelihoods: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
     def unit_of(self, names: Sequence[str]) -> Floats:
         """Return the run-to-run standard deviations of some quantities.
@@ -111,10 +111,10 @@ class Reference:
         Returns:
             Precision (N, N) [-] and pull (N,) away from the mean [-].
         """
-        if one not in self._spoken:
+        if one not in self._likelihoods:
             seen, drawn = through_variation(one, self.origin, self.unit, self.together)
-            self._spoken[one] = seen, drawn - seen @ self.centre
-        return self._spoken[one]
+            self._likelihoods[one] = seen, drawn - seen @ self.centre
+        return self._likelihoods[one]
 
     def alone(self, one: Observation) -> tuple[Floats, Floats]:
         """Return the likelihood of a run by itself, which is allowed the slow variations and the mean's own error.

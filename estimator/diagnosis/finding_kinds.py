@@ -100,8 +100,10 @@ def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterato
 
 
 def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
-    """Return the mean growth of the stiffness of the elements, beside that of each stiffness and damping; nothing of what
-    moves bearings, which is told by the change of the alignment."""
+    """Return the mean growth of the elements' stiffness, with the growth of each stiffness and damping.
+
+    Movements of bearings are left out: they are reported as a change of alignment.
+    """
     found = growths(cause)
     if not found:
         return ChangeSize(None)

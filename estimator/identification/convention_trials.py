@@ -49,7 +49,7 @@ EQUALLY_WELL = 2.0
 MANY_TIMES = 1000.0
 """Factor from which on its size says nothing more [-]."""
 CLEAR_SIGNAL = 100.0
-"""Least mean square of phasors over their noise at which a fit tells anything [-]: a floor above all of them fits whatever."""
+"""Least mean square of phasors over their noise for a conclusive fit [-]; below it any model fits."""
 LIKELIEST = 5
 """Number of swapped probes, and of units of amplitudes, that are fitted: the likeliest by the document's coefficients."""
 MOST_FITTED = 4

@@ -18,9 +18,9 @@ NEAR = 12.0
 LEAST_FACTOR = 1e-3
 """Least spread of a force, relative to its full spread [-]: it holds where the force itself is zero."""
 
-REMEMBERED = 32
-"""Number of machines under conditions that are remembered: an assessment asks for those of a baseline and of the newest runs
-again and again, and what is computed of each is remembered by its identity."""
+CACHED_MACHINES = 32
+"""Number of machines under conditions in the cache: an assessment asks again and again for those of a baseline and of the
+newest runs, and what is computed of each is cached by its identity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ def under_conditions(machine: Machine, conditions: Mapping[str, float | None]) -
     return _under(_Asked(machine, known)) if known else machine
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHED_MACHINES)
 def _under(asked: "_Asked") -> Machine:
     machine, known = asked.machine, dict(asked.known)
     bearings = tuple(_bearing(one, known) for one in machine.bearings)

@@ -164,7 +164,7 @@ def _equal(eigenvalue: Complexes) -> list[NDArray[np.intp]]:
 
 
 def _aligned(found: Modes, overlap: Complexes) -> Modes:
-    """Return modes of which each shape overlaps that of the speed before by 1, and of those of its eigenvalue by 0."""
+    """Return modes rescaled: the overlap of each shape is 1 with its predecessor, 0 with the others of the same eigenvalue."""
     shape, left = found.shape.copy(), found.left.copy()
     for group in _equal(found.eigenvalue):
         block = overlap[np.ix_(group, group)]

@@ -131,7 +131,7 @@ def _state(element: str, states: JournalStates, number: int, clearance: int, cov
         slope[clearance] -= part  # by the logarithm of its own clearance
         rows.append(("eccentricity_ratio", "1", part, slope))
     for name, unit, value, slope in rows:
-        of_load = name.startswith("load_")
+        of_load = unit == UNITS["force"]
         error = load_error(slope, covariance, force=force) if of_load else float(standard_errors(slope, covariance))
         yield FilmResult(f"{element}.{name}", unit, float(value), error)
 

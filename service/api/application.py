@@ -76,6 +76,7 @@ from service.delivery.signing_secrets import SigningSecrets
 from service.http.body_limit import BodyLimit
 from service.http.compression import Compression
 from service.http.conditional_get import ConditionalGet
+from service.http.error_status import require_every_status
 from service.http.fair_scheduling import FairScheduling
 from service.http.head_requests import HeadRequests
 from service.http.idempotency import Idempotency
@@ -163,6 +164,7 @@ def application(
 
     The documentation page loads nothing from other hosts: plants have no internet.
     """
+    require_every_status()
     app = _bare()
     app.state.database = database
     app.state.parts = parts

@@ -35,16 +35,16 @@ STATUS: Mapping[type[DomainError], HTTPStatus] = {
 }
 
 
-def _require_complete() -> None:
-    """Raise LookupError when a category of errors has no status: the service must not start without."""
+def require_every_status() -> None:
+    """Raise LookupError when a category of errors has no status: the service must not start without.
+
+    The application calls it when all its modules are imported.
+    """
     without = [one.__name__ for one in DomainError.__subclasses__() if one not in STATUS]
     if without:
         raise LookupError(
             f"categories of errors without a status in STATUS of service/http/error_status.py: {', '.join(without)}"
         )
-
-
-_require_complete()
 
 
 def status_of(error: DomainError) -> HTTPStatus:

@@ -60,7 +60,7 @@ def request_identification(session: Session, run_id: int, request: Request, aske
     """Queue an identification of a closed run; return the job that is already waiting or running for the same request, if any.
 
     With the usual options the result replaces the earlier one in trends and baselines, otherwise it stands beside them. Raises
-    RunUnknown, NotToIdentify, SlowRollUnknown, QuotaExceeded.
+    RunUnknown, NotIdentifiable, SlowRollUnknown, QuotaExceeded.
     """
     run = runs.get(session, run_id)
     if run.state != runs.CLOSED:

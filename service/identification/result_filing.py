@@ -102,7 +102,7 @@ class ResultFiling:
             logger.warning("job %d was lost with its worker process; it is retried", job_id)
             self._held.requeue_uncounted(job_id)
         elif isinstance(error, OutOfTime | MemoryError):
-            # Beside less other work it may have enough of both: that is tried as often as after a death.
+            # With fewer jobs running it may finish within both: it is retried as often as after a crash.
             logger.error(
                 "job %d exceeded its time or memory limit; it is tried three times at most: %s", job_id, type(error).__name__
             )

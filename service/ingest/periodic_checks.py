@@ -36,7 +36,7 @@ class IngestChecks:
             self._next = 0.0
 
     def check_if_due(self) -> None:
-        """Run the checks, if they are due. Raises NotHeld."""
+        """Run the checks, if they are due. Raises LeaseLost."""
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + (TAIL_CHECK_S if self._own_clock.doubt is None else DOUBTED_CHECK_S)
@@ -47,7 +47,7 @@ class IngestChecks:
 
 
 def _tried(trouble: str, check: Callable[[], None]) -> str | None:
-    """Run a check; return why it failed, None when it did not. Raises NotHeld."""
+    """Run a check; return why it failed, None when it did not. Raises LeaseLost."""
     try:
         check()
     except LeaseLost:

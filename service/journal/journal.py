@@ -107,8 +107,8 @@ class Journal:
     ) -> list[StoreOutcome]:
         """Store batches, in order, and rejections; return the outcome of each batch.
 
-        Raises the database's errors, and NotHeld for machines that belong to another replica by now; then nothing was stored.
-        within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned;
+        Raises the database's errors, and LeaseLost for machines that belong to another replica by now; then nothing was
+        stored. within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned;
         at least one batch is stored.
         """
         _convert(arrived, self._documents, self.pacing)

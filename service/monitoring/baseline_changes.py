@@ -33,7 +33,7 @@ def begin(
     by: str,
     identification_ids: list[int] | None = None,
 ) -> BaselineRow:
-    """Begin a baseline and clear the alerts that were based on the one before. Raises BaselineRefused, NotYet."""
+    """Begin a baseline and clear the alerts that were based on the one before. Raises BaselineRefused, BaselineInFuture."""
     if since > now() + TOLERANCE:
         raise BaselineInFuture(
             "a baseline begins when the work is done, not in the future: say it then, and note the plan as a note"
@@ -63,7 +63,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
 
 
 def note(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
-    """Add an entry to the timeline; a maintenance begins a baseline. Raises NotYet."""
+    """Add an entry to the timeline; a maintenance begins a baseline. Raises BaselineInFuture."""
     row = timeline.add(session, machine_id, at=at, kind=kind, text=text, by=by)
     if kind == MAINTENANCE:
         begin(session, machine_id, since=at, reason=text, by=by)

@@ -63,7 +63,7 @@ class SparkplugNodes:
                 nodes[place].feeds = []
             feed = known.get(machine.id)
             if feed is None or feed.mapping != mapping:
-                # What the node said of these metrics was not kept: it is asked to say it again, once it is heard of.
+                # Earlier values of these metrics were not kept: a rebirth is requested when the node next sends.
                 feed = MachineFeed(machine, mapping, self._sequences.get(machine.id, 0))
                 if nodes[place].last is not None:
                     nodes[place].want_rebirth()

@@ -51,7 +51,7 @@ class AlertReading:
 
 
 @dataclass(frozen=True)
-class AlertNews:
+class AlertEvents:
     """Alerts of the events behind one, oldest first; last: the last of these events, many: how many there were."""
 
     readings: list[AlertReading]
@@ -66,12 +66,12 @@ def open_readings(session: Session, texts: SiteTexts, unshown: Unshown) -> list[
     return [one for one in found if one is not None]
 
 
-def events_since(session: Session, event: int, texts: SiteTexts, unshown: Unshown, *, limit: int) -> AlertNews:
+def events_since(session: Session, event: int, texts: SiteTexts, unshown: Unshown, *, limit: int) -> AlertEvents:
     """Read the alerts of the events behind one; each with the standing that the alert has now."""
     events = alerts.events_after(session, event, limit=limit)
     found = (_readable(session, one.alert_id, one, texts, unshown) for one in events)
     last = events[-1].id if events else event
-    return AlertNews([one for one in found if one is not None], last, len(events))
+    return AlertEvents([one for one in found if one is not None], last, len(events))
 
 
 def _readable(session: Session, alert: int, event: AlertEventRow, texts: SiteTexts, unshown: Unshown) -> AlertReading | None:

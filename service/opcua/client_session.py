@@ -75,7 +75,7 @@ class ClientSession(OwnSubscriptions):
         self, params: ua.ActivateSessionParameters, peer_certificate: bytes | None
     ) -> ua.ActivateSessionResult:
         """Check the certificate of the channel and the user. Raises ServiceError."""
-        # That of the channel, not the one that the client names when it creates the session: that one proves nothing.
+        # The channel's: the certificate that the client names when it creates the session proves nothing.
         self.require_trusted(peer_certificate, self.application)
         if ua.IssuedIdentityToken in self.iserver.supported_tokens:
             as_password(params, encrypted=bool(peer_certificate))

@@ -40,7 +40,7 @@ FIGURES: dict[str, dict[str, ua.VariantType]] = {
 }
 """Variables of a machine's folders that are no measured quantity."""
 OWN_FIGURES = {"Name": TEXT, "Revision": WHOLE}
-"""Those of the machine itself."""
+"""Variables of the machine itself."""
 SPEED = "Speed"
 AGGREGATE_FOLDERS = (
     ua.ObjectIds.Server_ServerCapabilities_AggregateFunctions,

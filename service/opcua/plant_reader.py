@@ -35,7 +35,7 @@ EVENTS = 500
 
 
 @dataclass
-class PlantNews:
+class PlantChanges:
     """Changes since the last look. alerts: one entry an event; standings: states of run collection by machine."""
 
     machines: list[MachineReading] = field(default_factory=list)
@@ -66,7 +66,7 @@ class PlantReader:
             self._event = alerts.newest_event(session)
             return open_readings(session, self._alert_texts, self._unshown)
 
-    def read_changes(self) -> PlantNews:
+    def read_changes(self) -> PlantChanges:
         """Read what has changed since the last call. Raises DBAPIError; a later call then returns what this one has missed."""
         try:
             return self._read_all()
@@ -76,8 +76,8 @@ class PlantReader:
             self._texts.clear()
             raise
 
-    def _read_all(self) -> PlantNews:
-        found = PlantNews()
+    def _read_all(self) -> PlantChanges:
+        found = PlantChanges()
         if now() >= self._standings_at + STANDINGS_NS:
             found.standings = self._standings()
         mark, aged = self._changes.mark(TABLES), self._aged()

@@ -32,7 +32,7 @@ from service.opcua.machine_nodes import MachineNodes
 from service.opcua.names import NAMESPACE, NodeNames
 from service.opcua.node_tree import NodeTree
 from service.opcua.own_subscriptions import MOST_QUEUED
-from service.opcua.plant_reader import PlantNews, PlantReader
+from service.opcua.plant_reader import PlantChanges, PlantReader
 from service.opcua.trend_history import TrendHistory
 from service.opcua.unshown import Unshown, alert_name, machine_name
 from service.security.authentication import Authentication
@@ -219,7 +219,7 @@ class PlantServer:
             return False
         return isinstance(session.user, ClientUser) and await _in_thread(self._users.still_valid, session.user)
 
-    async def _show(self, news: PlantNews) -> None:
+    async def _show(self, news: PlantChanges) -> None:
         machines = self._machines
         assert machines is not None
         for reading in news.machines:

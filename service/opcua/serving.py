@@ -29,7 +29,7 @@ class OpcUaUnusable(RuntimeError):
     """The server cannot be opened; the message says why, and what would be right."""
 
 
-class OpcUaAiling(RuntimeError):
+class OpcUaDegraded(RuntimeError):
     """The server runs with a fault; the message names it."""
 
 
@@ -60,7 +60,7 @@ class OpcUaServing(SupervisedThread):
         }
 
     def run_once(self) -> float:
-        """Update the nodes, then serve clients for POLL_S. Raises OpcUaUnusable, OpcUaAiling, DBAPIError."""
+        """Update the nodes, then serve clients for POLL_S. Raises OpcUaUnusable, OpcUaDegraded, DBAPIError."""
         if self._server is not None and self._server.certificate_has_expired:
             # Nobody could connect any more: what is in the file now is looked at, and said where it is no better.
             closing, self._server = self._server, None
@@ -70,7 +70,7 @@ class OpcUaServing(SupervisedThread):
         self._loop.run(self._server.update())
         self._loop.run(asyncio.sleep(POLL_S))
         if self._server.trouble is not None:
-            raise OpcUaAiling(self._server.trouble)
+            raise OpcUaDegraded(self._server.trouble)
         return 0.0
 
     def failed(self, error: Exception) -> float:
@@ -80,7 +80,7 @@ class OpcUaServing(SupervisedThread):
                 logger.error("%s; trying again", error)
             self.trouble = str(error)
             return OPEN_AGAIN_S
-        if isinstance(error, OpcUaAiling):
+        if isinstance(error, OpcUaDegraded):
             if self.trouble != str(error):
                 logger.error("%s", error)
             self.trouble = str(error)

@@ -248,7 +248,7 @@ class TrendHistory:
 
 
 def _within(time: int) -> int:
-    """Return the last nanosecond of what clients are told as one time [ns]."""
+    """Return the last nanosecond of the microsecond that clients see [ns]."""
     return min(time + MICROSECOND - 1, LATEST)
 
 

@@ -71,7 +71,7 @@ class LeaseKeeper(SupervisedThread):
         return work in self._held
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Raise NotHeld unless these machines are this replica's, see `Share`."""
+        """Raise LeaseLost unless these machines are this replica's, see `Share`."""
         leases.require(session, {lease_of(one) for one in machine_ids}, holder=self._number or 0)
 
     def run_once(self) -> float:

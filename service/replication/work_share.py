@@ -36,7 +36,7 @@ class Share(Protocol):
         """Return whether this process does this work for all, as far as it knows."""
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Raise NotHeld unless these machines are this process's until the transaction ends."""
+        """Raise LeaseLost unless these machines are this process's until the transaction ends."""
 
 
 class WholeShare:

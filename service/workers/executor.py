@@ -25,8 +25,8 @@ class Executor(Protocol):
     def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
         """Compute `work(task)`. work: a function of a module, which keeps to its own time limit of `limit_s` [s].
 
-        The future ends in the task's exception, in BrokenProcessPool or Stuck when its process died or stopped responding, in
-        TaskRefused or Interrupted, or is cancelled when the executor lost it. Raises ExecutorUnavailable.
+        The future ends in the task's exception, in BrokenProcessPool or WorkerStuck when its process died or stopped,
+        in TaskRefused or Interrupted, or is cancelled when the executor lost it. Raises ExecutorUnavailable.
         """
 
     def check_tasks(self) -> None:

@@ -98,7 +98,8 @@ def new_file(path: Path) -> Iterator[None]:
 def finalise(part: Path, file: Path, made: Backup) -> None:
     """Rename a finished backup to its name and write its description. Raises FileExistsError when the name was taken
     meanwhile."""
-    with new_file(file):  # so that what is replaced is our own; links, which would do it in one step, not every disk has
+    # The name is reserved first, so that only our own file is replaced. A hard link would do both; not every disk has them.
+    with new_file(file):
         part.replace(file)
         with new_file(description_path(file)):
             description_path(file).write_text(json.dumps(asdict(made), indent=1) + "\n")

@@ -29,7 +29,7 @@ def overwrite_deleted(session: Session) -> None:
 def scrub(database: Database) -> None:
     """Rewrite an SQLite file without deleted data and truncate its log.
 
-    The caller must be its only user. Raises NotScrubbed.
+    The caller must be its only user. Raises ScrubFailed.
     """
     path = file_of(database.engine)
     if path is None:

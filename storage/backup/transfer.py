@@ -39,8 +39,8 @@ class TransferReport:
 def move(source_url: str, target_url: str, report: Callable[[int, int], None] = lambda _done, _all: None) -> TransferReport:
     """Transfer all data into an empty database. report: receives the numbers of rows done and to do.
 
-    The source's schema is upgraded first; nothing else in it changes. Raises NotMoved, DatabaseUnusable; also when the source
-    does not exist, and while a service uses one of the two.
+    The source's schema is upgraded first; nothing else in it changes. Raises TransferFailed, DatabaseUnusable; also when the
+    source does not exist, and while a service uses one of the two.
     """
     _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
@@ -137,7 +137,7 @@ def _copy(table: Table, reading: Connection, writing: Connection, progress: _Row
 
 
 def _storable(table: Table, values: tuple[Any, ...], writing: Connection) -> tuple[Any, ...]:
-    """Return a row's values as the target can store them. Raises NotMoved when an escaped text becomes too long."""
+    """Return a row's values as the target can store them. Raises TransferFailed when an escaped text becomes too long."""
     if writing.dialect.name != "postgresql":
         return values
     return tuple(
@@ -161,7 +161,7 @@ def _escaped(table: Table, column: Column[Any], text: str, values: tuple[Any, ..
 
 
 def _compared(table: Table, reading: Connection, writing: Connection, progress: _RowProgress) -> int:
-    """Return the number of rows of a table; raise NotMoved when a row differs between the two sides."""
+    """Return the number of rows of a table; raise TransferFailed when a row differs between the two sides."""
     count = 0
     with _rows(table, reading) as before, _rows(table, writing) as after:
         for old, new in zip_longest(before, after):

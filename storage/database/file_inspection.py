@@ -22,7 +22,7 @@ _STEPS = 10_000
 def inspection_engine(path: Path) -> Iterator[Engine]:
     """Yield an engine for inspecting a file that nobody has open; an open one could be seen half written."""
     log = path.with_name(path.name + "-wal")
-    # What a log holds is read from it, through an index of its own; without one the file is taken as it is, and no log made.
+    # A log is read through an index of our own; without a log the file is opened as immutable, so that none is created.
     with _engine(path, UNCHANGED if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
         yield engine
 

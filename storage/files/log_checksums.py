@@ -36,7 +36,7 @@ def valid_frames(log_header: bytes, before: bytes, frames: bytes, page_size: int
 @functools.cache
 def _weights(pairs: int) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]:
     """Return the weights of each word, and of the two sums before, in the two sums of pairs of words."""
-    # One step: s0' = s0 + s1 + a, s1' = s1 + s0' + b; of the pair that is last both weights of a are 1, those of b 0 and 1.
+    # One step: s0' = s0 + s1 + a, s1' = s1 + s0' + b. For the last pair the weights of a are (1, 1), those of b (0, 1).
     of_words, a, b = [], (1, 1), (0, 1)
     for _ in range(pairs):
         of_words += [b, a]

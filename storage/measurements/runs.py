@@ -103,7 +103,7 @@ def ended(session: Session) -> Sequence[tuple[int, str]]:
 
 
 def extent(session: Session, run_id: int) -> dict[str, Any]:
-    """Return the extent of an ended run, see `end` and `end_collected`. Raises RunUnknown."""
+    """Return the extent of an ended run, see `end`. Raises RunUnknown."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.extent)])
     if row is None:
         raise RunUnknown(run_id)

@@ -51,7 +51,7 @@ def release_all(session: Session, *, holder: int) -> None:
 
 
 def require(session: Session, names: Collection[str], *, holder: int) -> None:
-    """Raise NotHeld unless all these leases are the replica's; they stay so until this transaction ends."""
+    """Raise LeaseLost unless all these leases are the replica's; they stay so until this transaction ends."""
     query = select(LeaseRow.name).where(LeaseRow.name.in_(names), LeaseRow.holder == holder).with_for_update(read=True)
     missing = set(names) - set(session.scalars(query))
     if missing:

@@ -115,7 +115,7 @@ def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floa
 
 
 def _surprise(numbers: Floats, covariance: Floats) -> tuple[float, float]:
-    """Return the chance of numbers (k,) of unit size that are as large, of those that the data determine, and their rms."""
+    """Return the probability that standard-normal numbers are as large as those of (k,) that are determined, and their rms."""
     scatter = np.eye(numbers.size) - covariance
     variance, directions = np.linalg.eigh((scatter + scatter.T) / 2)
     seen = variance > DETERMINED

@@ -157,8 +157,8 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
             coefficient: Index of the coefficient.
 
         Returns:
-            Indices of its coordinates: one, or those of the model that gives it without what this reads of others, or none
-            where it is fixed.
+            Indices of its coordinates: one; or those of its model, without parameters that this reads from other models; or
+            none where it is fixed.
         """
         for one in self.models:
             if coefficient in one.coefficients:

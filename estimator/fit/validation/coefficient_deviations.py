@@ -161,8 +161,12 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
 def _information(
     problem: FitProblem, theta: Floats, shapes: DeviationShapes, owner: Owners
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), that of these
-    (n, n), and ½ of the derivative of -χ² by the deviations (D,) and by the coordinates (n,)."""
+    """Compute information matrices and gradients at a fit.
+
+    Returns:
+        Information of unit deviations (D, D), between coordinates and deviations (n, D), of the coordinates (n, n); gradient
+        of -χ²/2 by the deviations (D,) and by the coordinates (n,).
+    """
     coordinates = problem.coordinates
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
     sizes = direct_sizes(problem, coordinates.coefficients(theta))

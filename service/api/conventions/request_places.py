@@ -2,8 +2,8 @@
 
 A request holds its connection to the database from its first query on, also while it waits for a thread to go on in. More of
 them than there are connections would wait for each other: those with a thread for a connection, those with a connection for a
-thread. A request that waits for a place has neither. Of the waiting requests of one caller one is served, then one of the next
-caller's, and no caller holds all places. What nobody waits for any more is not begun.
+thread. A request that waits for a place has neither. Callers take turns, one request of each at a time, and no caller
+holds all places. A request whose caller has gone is not begun.
 """
 
 import asyncio

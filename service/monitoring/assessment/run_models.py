@@ -12,7 +12,7 @@ from estimator.machine.under_conditions import under_conditions
 from estimator.updated_model.model import UpdatedModel, model_at
 from service.monitoring.assessment.context import AssessedRun
 
-REMEMBERED = 4
+CACHED_MODELS = 4
 """Baselines of which the variation is remembered: a process mostly assesses a few machines in turns."""
 
 
@@ -49,6 +49,6 @@ def baseline_variation(machine: Machine, baseline: Sequence[AssessedRun]) -> Hea
     return _baseline_variation(_BaselineContents(machine, tuple(baseline)))
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHED_MODELS)
 def _baseline_variation(baseline: _BaselineContents) -> HealthyVariation:
     return learnt_variation([run_model(baseline.machine, one) for one in baseline.runs])

@@ -11,7 +11,7 @@ from service.alerts import transitions
 from service.alerts.transitions import Person
 from service.configuration.settings import Settings
 from service.opcua.machine_reading import PARAMETERS
-from service.opcua.plant_reader import PlantNews
+from service.opcua.plant_reader import PlantChanges
 from service.opcua.server import PlantServer
 from service.opcua.unshown import MOST_NAMED, Unshown
 from storage.alerts import alerts
@@ -96,10 +96,10 @@ def test_a_machine_of_which_one_value_cannot_be_shown_is_shown_again(runner: asy
     (reading,) = (one for one in server._reader.read_changes().machines if one.id == KEY.machine)
     first = replace(reading.values[0], folder=PARAMETERS, name="coupling.C9.kxx", value=1.0)
     odd = replace(first, name="coupling.C9.kyy", quality="of another release")
-    runner.run(server._show(PlantNews(machines=[replace(reading, values=(first, odd))])))
+    runner.run(server._show(PlantChanges(machines=[replace(reading, values=(first, odd))])))
     assert f"machine '{KEY.machine}':" in str(server.trouble)
     right = (replace(first, value=2.0), replace(odd, quality=first.quality, value=3.0))
-    runner.run(server._show(PlantNews(machines=[replace(reading, values=right)])))
+    runner.run(server._show(PlantChanges(machines=[replace(reading, values=right)])))
     assert server.trouble is None
     assert [shown(server, PARAMETERS, one.name) for one in right] == [2.0, 3.0]
 
@@ -110,7 +110,7 @@ def test_an_alert_is_shown_as_soon_as_its_machine_is(runner: asyncio.Runner, ser
     plant = server._machines._plants.pop(KEY.machine)
     (alert,) = (one for one in server._conditions._conditions.values() if one.id == ids.alert_id)
     changed = replace(alert, comment="while its machine cannot be read")
-    runner.run(server._show(PlantNews(alerts=[changed])))
+    runner.run(server._show(PlantChanges(alerts=[changed])))
     assert f"alert {ids.alert_id}:" in str(server.trouble)
     server._machines._plants[KEY.machine] = plant
     server._reader._mark = None
