@@ -111,6 +111,9 @@ class DaskExecutor:
                 for address in silent.keys() & {address for address, keys in tasks.items() if one.future.key in keys}:
                     self._give_up(answer, WorkerStuck(silent[address]))
 
+    def require_workers(self) -> None:
+        """Do nothing: `capacity` and `submit` raise where there is no worker."""
+
     def warnings(self) -> Sequence[str]:
         """Return why some workers get no tasks at present."""
         return self._warnings

@@ -32,6 +32,9 @@ class Executor(Protocol):
     def check_tasks(self) -> None:
         """Check the tasks that are being computed; must be called regularly. Raises ExecutorUnavailable."""
 
+    def require_workers(self) -> None:
+        """Require that tasks find a worker. Raises ExecutorUnavailable when no worker process can be started."""
+
     def warnings(self) -> Sequence[str]:
         """Return the executor's problems that do not prevent computing."""
 
