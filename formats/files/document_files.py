@@ -24,10 +24,12 @@ def read_yaml(path: Path) -> Any:
     """Return the content of a YAML or JSON file. Raises UnreadableFile."""
     import yaml  # not needed by those who make machines in a program
 
+    from formats.files import bounded_yaml
+
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise UnreadableFile(f"{path} has {path.stat().st_size} bytes; at most {LARGEST_BYTES}")
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = bounded_yaml.load(path.read_text(encoding="utf-8"))
         values = _values_in(content, {}, set())
     except yaml.MarkedYAMLError as error:
         line = "" if error.problem_mark is None else f", line {error.problem_mark.line + 1}"
@@ -38,6 +40,9 @@ def read_yaml(path: Path) -> Any:
         raise UnreadableFile(f"{path}: lists and fields lie too deep in each other") from error
     except UnreadableFile:
         raise
+    except bounded_yaml.TooManyValues as error:
+        most = bounded_yaml.MOST_WRITTEN
+        raise UnreadableFile(f"{path}, {error}: more values are written than the {most} a file may have") from error
     except _Circle as error:
         raise UnreadableFile(f"{path}: a part of it stands for something in which it lies itself") from error
     # The library lets errors of Python pass: of dates, of numbers, of tags.

@@ -20,7 +20,9 @@ AT_ONCE_S = 0.001
 class FairScheduling:
     """ASGI middleware that lets requests begin in turns.
 
-    Clients are told apart by their address: of the waiting requests of one client one begins, then one of the next client's.
+    Of the waiting requests of one address one begins, then one of the next address's. The people of one address, such as those
+    behind a proxy, are told apart by what they log in with, though nobody has looked at it yet: they take that address's turns
+    in turn.
     Each event loop has turns of its own, as requests of two loops do not hold each other up and cannot wake each other.
     """
 
@@ -35,8 +37,12 @@ class FairScheduling:
         if scope["type"] == "http" and scope["path"] not in self._at_once:
             loop = asyncio.get_running_loop()
             turns = self._turns.get(loop) or self._turns.setdefault(loop, RoundRobinQueue())
-            await turns.wait(scope["client"][0] if scope.get("client") else "")
+            await turns.wait(scope)
         await self._app(scope, receive, send)
+
+
+CREDENTIALS = frozenset({b"authorization", b"cookie"})
+"""Headers that tell people of one address apart."""
 
 
 class RoundRobinQueue:
@@ -45,10 +51,11 @@ class RoundRobinQueue:
     def __init__(self) -> None:
         self._until: float | None = None
         """Time until which requests begin in this iteration of the loop [s, monotonic]; None while none has begun."""
-        self._waiting: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
+        self._waiting: OrderedDict[str, OrderedDict[tuple[bytes, ...], deque[asyncio.Future[None]]]] = OrderedDict()
+        """Turns by person by address."""
 
-    async def wait(self, client: str) -> None:
-        """Wait for a turn of a client; who goes away while waiting is passed over."""
+    async def wait(self, scope: Scope) -> None:
+        """Wait for a turn of the one who asks; who goes away while waiting is passed over."""
         loop = asyncio.get_running_loop()
         now = time.monotonic()
         if self._until is None:
@@ -56,16 +63,21 @@ class RoundRobinQueue:
             loop.call_soon(self._next)
         elif self._waiting or now > self._until:
             turn: asyncio.Future[None] = loop.create_future()
-            self._waiting.setdefault(client, deque()).append(turn)
+            address = scope["client"][0] if scope.get("client") else ""
+            who = tuple(value for name, value in scope.get("headers", ()) if name in CREDENTIALS)
+            self._waiting.setdefault(address, OrderedDict()).setdefault(who, deque()).append(turn)
             await turn
 
     def _next(self) -> None:
         """Let the next waiting request begin, in the iteration after the one in which the last one began."""
         while self._waiting:
-            client, turns = self._waiting.popitem(last=False)
+            address, people = self._waiting.popitem(last=False)
+            who, turns = people.popitem(last=False)
             turn = turns.popleft()
             if turns:
-                self._waiting[client] = turns  # behind everybody else
+                people[who] = turns  # behind everybody else of the address
+            if people:
+                self._waiting[address] = people  # behind everybody else
             if not turn.done():
                 turn.set_result(None)
                 asyncio.get_running_loop().call_soon(self._next)

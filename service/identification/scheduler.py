@@ -93,6 +93,7 @@ class JobScheduler(SupervisedThread):
             self._put_back_lost()
             self._may_have_lost = False
         self._schedule()
+        self._executor.require_workers()  # behind: what waits is the next try to start one
         return 0.0
 
     def failed(self, error: Exception) -> float:

@@ -19,7 +19,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from service.workers import dask_task
-from service.workers.executor import ExecutorUnavailable, TaskRefused
+from service.workers.executor import Executor, ExecutorUnavailable, TaskRefused
 from service.workers.process_pool import WorkerStuck
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class _SubmittedTask:
     to: tuple[str, ...]
 
 
-class DaskExecutor:
+class DaskExecutor(Executor):
     """An executor on the workers of a Dask scheduler; see `service.workers.executor.Executor`."""
 
     def __init__(self, address: str) -> None:

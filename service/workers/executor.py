@@ -32,6 +32,13 @@ class Executor(Protocol):
     def check_tasks(self) -> None:
         """Check the tasks that are being computed; must be called regularly. Raises ExecutorUnavailable."""
 
+    def require_workers(self) -> None:
+        """Require that tasks find a worker. Raises ExecutorUnavailable when no worker process can be started.
+
+        Executors whose `capacity` and `submit` raise it have nothing to do.
+        """
+        return
+
     def warnings(self) -> Sequence[str]:
         """Return the executor's problems that do not prevent computing."""
 

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from service.configuration.settings import Settings
 from service.workers.dask_executor import DaskExecutor
-from service.workers.executor import Executor
+from service.workers.executor import Executor, ExecutorUnavailable
 from service.workers.process_pool import ProcessPool
 
 A = TypeVar("A")
@@ -38,6 +38,11 @@ class LocalExecutor:
 
     def check_tasks(self) -> None:
         """Do nothing: the process pool monitors its processes itself."""
+
+    def require_workers(self) -> None:
+        """Require that processes can be started, see `Executor.require_workers`."""
+        if (trouble := self._processes.start_trouble) is not None:
+            raise ExecutorUnavailable(trouble)
 
     def warnings(self) -> Sequence[str]:
         """Return nothing: problems with a task appear in its future."""

@@ -94,6 +94,15 @@ class ProcessPool:
         self._waiting.put(_WorkItem(payload, limit_s, future))
         return future
 
+    @property
+    def start_trouble(self) -> str | None:
+        """Return why no process can be started, as far as was tried; None while there is one."""
+        with self._lock:
+            slots = list(self._slots)
+        if any(slot.started for slot in slots):
+            return None
+        return next((slot.start_trouble for slot in slots if slot.start_trouble is not None), None)
+
     def shutdown(self) -> None:
         """Kill the processes, give up their tasks and cancel the queued ones."""
         with self._lock:
@@ -165,6 +174,10 @@ class _Slot:
         self._sent_at, self._until = 0.0, math.inf
         self._process: Any = None  # of the context that spawns
         self._pipe: Connection | None = None
+        self.started = False
+        """Whether its process has started, and was not seen to end."""
+        self.start_trouble: str | None = None
+        """Why its last start failed; None when it did not."""
         self._thread = threading.Thread(target=self._run, name="worker process", daemon=True)
         self._thread.start()
 
@@ -215,14 +228,17 @@ class _Slot:
     def _start_process(self) -> Connection:
         """Start a process. Raises Interrupted when none can be started at present, which is not the task's fault."""
         try:
-            return self._begin()
+            pipe = self._begin()
         except (EOFError, OSError, RuntimeError) as error:
             if self._given_up is not None:  # killed while it was starting
                 raise self._given_up from error
-            logger.error("no worker process can be begun at present: %s", error)
+            self.start_trouble = f"no worker process can be started: {str(error) or 'it dies while it starts'}"
+            logger.error(self.start_trouble)
             self._end()
             time.sleep(RETRY_S)
-            raise Interrupted(f"no worker process can be begun at present: {error}") from error
+            raise Interrupted(self.start_trouble) from error
+        self.started, self.start_trouble = True, None
+        return pipe
 
     def _begin(self) -> Connection:
         # Spawned: a fork with a zenoh session open would crash.
@@ -258,6 +274,7 @@ class _Slot:
     def _end(self) -> None:
         with self._lock:
             process, self._process = self._process, None
+            self.started = False
             pipe, self._pipe = self._pipe, None
         if pipe is not None:
             pipe.close()

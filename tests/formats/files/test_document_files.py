@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from formats.files import document_files
+from formats.files import bounded_yaml, document_files
 from formats.files.document_files import UnreadableFile, read_machine, read_yaml
 from tests.paths import EXAMPLES
 
@@ -47,6 +47,16 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path, monkeypatch: pytes
     path.write_text("a: 1")
     monkeypatch.setattr(document_files, "LARGEST_BYTES", 3)
     with pytest.raises(UnreadableFile, match="has 4 bytes; at most 3"):
+        read_yaml(path)
+
+
+def test_reading_ends_at_the_first_value_too_many(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "machine.yaml"
+    path.write_text("schema_version: 1\n" + "".join(f"k{number}: {number}\n" for number in range(9)))
+    monkeypatch.setattr(bounded_yaml, "MOST_WRITTEN", 21)  # the whole, ten names, ten values
+    assert len(read_yaml(path)) == 10
+    path.write_text(path.read_text() + "more: 1\n[")  # what is behind it is not looked at any more
+    with pytest.raises(UnreadableFile, match=r"machine\.yaml, line 11: more values are written than the 21 a file may have"):
         read_yaml(path)
 
 

@@ -13,8 +13,8 @@ from service.http.fair_scheduling import AT_ONCE_S, FairScheduling
 Ask = Callable[[Scope], Coroutine[Any, Any, None]]
 
 
-def asked(client: str, path: str = "/machines") -> Scope:
-    return {"type": "http", "path": path, "client": (client, 50_000)}
+def asked(client: str, path: str = "/machines", *, key: bytes = b"one") -> Scope:
+    return {"type": "http", "path": path, "client": (client, 50_000), "headers": [(b"authorization", key)]}
 
 
 async def receive() -> Message:
@@ -87,6 +87,22 @@ def test_clients_take_turns_and_life_is_told_at_once() -> None:
     assert len(clients) == 42
     assert clients.index("10.0.0.3") == 1, "behind the one that had begun"
     assert clients.index("10.0.0.2") <= 3, "though 39 of another client came before"
+
+
+def test_people_behind_one_proxy_take_turns_and_keys_that_are_made_up_cost_other_addresses_nothing() -> None:
+    async def attack(ask: Ask) -> None:
+        async with asyncio.TaskGroup() as group:
+            for _ in range(40):
+                group.create_task(ask(asked("10.0.0.1")))
+            for number in range(40):
+                group.create_task(ask(asked("10.0.0.2", key=b"made up %d" % number)))
+            group.create_task(ask(asked("10.0.0.1", key=b"another")))
+            group.create_task(ask(asked("10.0.0.3")))
+
+    order = [(scope["client"][0], scope["headers"][0][1]) for scope in begun(attack)]
+    assert len(order) == 82
+    assert order.index(("10.0.0.1", b"another")) <= 6, "though 39 of the same address came before"
+    assert order.index(("10.0.0.3", b"one")) <= 4, "though 79 of two addresses came before"
 
 
 def test_who_goes_away_while_waiting_holds_up_nobody() -> None:

@@ -81,6 +81,24 @@ def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_told(
         assert [row.attempts for row in jobs.of_machine(session, train.id, limit=10)] == [2, 2, 1, 1]
 
 
+def test_where_no_worker_can_be_started_jobs_wait_unhurt_and_that_is_told(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_memory(_: object) -> None:
+        raise OSError(12, "Cannot allocate memory")
+
+    monkeypatch.setattr("service.workers.process_pool._Slot._begin", no_memory)
+    monkeypatch.setattr("service.workers.process_pool.RETRY_S", 0.05)
+    with database.transaction() as session:
+        machines.create(session, train)
+    with identifying(database) as work:
+        close_run(database, train, seed=1, start_s=1_700_000_000)
+        wait_until(lambda: work.trouble == "no worker process can be started: [Errno 12] Cannot allocate memory")
+    assert counts(database).keys() <= {"queued", "running"}
+    with database.reading() as session:
+        assert [row.attempts for row in jobs.of_machine(session, train.id, limit=10)] in ([0], [1])
+
+
 def test_a_job_that_hangs_its_process_every_time_is_put_aside(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -98,7 +98,9 @@ def test_that_no_process_can_be_begun_is_not_held_against_the_work(two: ProcessP
         short.setattr(process_pool._Slot, "_begin", short_of_descriptors)
         with pytest.raises(Interrupted, match="Too many open files"):
             two.submit(10.0, abs, -1).result(SOON_S)
+        assert two.start_trouble == "no worker process can be started: [Errno 24] Too many open files"
     assert two.submit(10.0, abs, -1).result(SOON_S) == 1
+    assert two.start_trouble is None
 
 
 def test_stopped_processes_are_killed_and_others_take_their_places(two: ProcessPool) -> None:
