@@ -30,6 +30,17 @@ def test_an_alert_is_acknowledged_by_keys_and_mouse(seen: Seen, service: Service
     assert seen.errors == []
 
 
+def test_the_texts_of_an_alert_follow_the_unit(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}")
+    row = seen.page.locator(".alert-row")
+    expect(row).to_contain_text("Offset in µm")
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_pp,rpm")
+    expect(row).to_contain_text("Offset in mil")
+    seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
+    expect(row).to_contain_text("Offset in µm")
+    assert seen.errors == []
+
+
 def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}")
     comment = seen.page.locator(".alert-row").get_by_role("button", name="Comment")
