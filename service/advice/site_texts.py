@@ -24,7 +24,7 @@ from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, Texts
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
 
 OF_ELEMENTS = {element: one.kind for one in FINDING_RULES for element in one.texts_of_elements}
-"""Kinds of elements of which a finding is said in texts of their own, with that finding: a changed seal is found as a bearing."""
+"""Kinds of elements of which a finding has texts of their own, with that finding: a changed seal is found as a bearing."""
 KINDS = (*(one.kind for one in FINDING_RULES), RATE_RULE.kind, *OF_ELEMENTS)
 """Kinds of findings, and of elements, that have texts."""
 FIELDS = ("what", *LISTS)
