@@ -33,7 +33,7 @@ def work(
 
 async def _has_started(worker: Worker, stop: threading.Event) -> bool:
     """Start a worker, which waits until there is a scheduler; return False where `stop` comes first."""
-    starting = asyncio.ensure_future(worker.start())
+    starting = asyncio.ensure_future(worker.start())  # type: ignore[no-untyped-call]
     while not starting.done():
         if stop.is_set():
             starting.cancel()
