@@ -36,7 +36,11 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
   const sweep = phasors && speedSweep(phasors);
   const aside = (
     <>
-      {phasors && <p class="muted">{slowRollOf(phasors)}</p>}
+      {phasors && (
+        <p class="muted">
+          {chosen && t("overlaidRunLegend", { of: "" })} {slowRollOf(phasors)}
+        </p>
+      )}
       {earlier.length > 0 && <OverlaySelect runs={earlier} chosen={chosen} />}
     </>
   );
@@ -69,7 +73,7 @@ function curvesOf(sweep: SpeedSweep, overlaid: SpeedSweep | undefined, { amplitu
   return {
     x,
     curves: [
-      ...before.map((y, at): Curve => ({ name: t("overlaidRun", { channel: sweep.channels[at]! }), y, faint: true, points: true, line: false })),
+      ...before.map((y, at): Curve => ({ name: t("overlaidRun", { channel: sweep.channels[at]! }), style: at, y, faint: true, points: true, line: false })),
       ...now.map((y, style): Curve => ({ name: sweep.channels[style]!, style, y, points: true, spanGaps: true })),
     ],
   };
