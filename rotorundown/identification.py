@@ -56,6 +56,8 @@ def identify(
 
 def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
     """Raise NothingToIdentify for what is no machine or no run of it: files and tables have to be read first."""
+    if isinstance(machine, MachineRun):
+        raise NothingToIdentify("the run stands in the machine's place: the machine comes first, identify(machine, run)")
     if not isinstance(machine, Machine):
         raise NothingToIdentify(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
     checked_machine(machine)

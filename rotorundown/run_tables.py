@@ -22,7 +22,7 @@ from estimator.units import (
     SpeedUnit,
     rad_per_s_to_rpm,
 )
-from formats.recordings.phase_units import contradicted_phase_unit, look_like_radians
+from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
     AMPLITUDE_ENDS,
@@ -59,13 +59,14 @@ FEWEST_BELOW_OVERSPEED = 0.5
 
 
 class TableUnits(Struct, frozen=True):
-    """Units of a table's columns."""
+    """Units of a table's columns. phase_is_said: whether somebody has said the phases' unit, which is then believed."""
 
     speed: SpeedUnit = "rpm"
     amplitude: AmplitudeUnit = "um"
     kind: AmplitudeKind = "peak-to-peak"
     convention: PhaseConvention = "lag"
     phase: PhaseUnit = "deg"
+    phase_is_said: bool = False
 
     def __post_init__(self) -> None:
         """Raise WrongRun for a unit that there is not."""
@@ -112,7 +113,7 @@ class RunTable(Struct, frozen=True, eq=False):
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
         _require_amplitude_unit(amplitude, units.amplitude)
-        _require_phase_unit(phase, units.phase)
+        doubts = _phase_doubts(phase, units)
         seconds = np.arange(speed.size, dtype=float) if self.time is None else _seconds(self.time)
         batch = SampleBatch(
             schema=WIRE_SCHEMA,
@@ -134,7 +135,7 @@ class RunTable(Struct, frozen=True, eq=False):
             phase=_blank(phase),
         )
         samples, taken, faults = to_samples(batch, machine, received_at=now())
-        doubted = tuple(f"{name}, {words}" for words in _doubted_phases(channels, phase, units.phase))
+        doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
         rejected = (f"{name}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults)
         left_out = (*self._foreign(machine, name), *doubted, *rejected)
         if not np.any(taken):
@@ -242,11 +243,17 @@ def _require_amplitude_unit(amplitude: Floats, unit: AmplitudeUnit) -> None:
     raise WrongRun(f"the largest amplitude is {largest:.2g} {unit}, less than any probe resolves{hint}")
 
 
-def _require_phase_unit(phase: Floats, unit: PhaseUnit) -> None:
-    contradiction = contradicted_phase_unit(phase, unit)
-    if contradiction is not None:
-        why, right = contradiction
+def _phase_doubts(phase: Floats, units: TableUnits) -> list[str]:
+    """Return why phases (S, m) are probably in another unit. Raises WrongRun where they are in another one."""
+    contradiction = contradicted_phase_unit(phase, units.phase)
+    if contradiction is None:
+        return []
+    why, right = contradiction
+    if not is_possible_of_one_channel(phase, right):
         raise WrongRun(f"{why}: say phase_unit={right!r}")
+    if not units.phase_is_said:
+        raise WrongRun(f"{why}: say phase_unit={right!r}, or phase_unit={units.phase!r} where they are in degrees")
+    return [f"{why}: taken as degrees, as phase_unit says"]
 
 
 def _doubted_phases(channels: Sequence[str], phase: Floats, unit: PhaseUnit) -> Iterator[str]:

@@ -120,7 +120,7 @@ def read_run(
     amplitude_unit: AmplitudeUnit = "um",
     amplitude_kind: AmplitudeKind = "peak-to-peak",
     phase_convention: PhaseConvention = "lag",
-    phase_unit: PhaseUnit = "deg",
+    phase_unit: PhaseUnit | None = None,
 ) -> MachineRun:
     """Return a run of a machine.
 
@@ -136,7 +136,7 @@ def read_run(
         amplitude_unit: Unit of the amplitudes.
         amplitude_kind: Whether amplitudes are 0-to-peak (`peak`) or peak-to-peak.
         phase_convention: Whether phases lag or lead.
-        phase_unit: Unit of the phases.
+        phase_unit: Unit of the phases; None for degrees, unless those of a single channel look like radians.
 
     Returns:
         The run.
@@ -146,7 +146,9 @@ def read_run(
     """
     if not isinstance(machine, Machine):
         raise WrongRun(f"machine is a {type(machine).__name__}: read it first, with read_machine(…)")
-    units = TableUnits(speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit)
+    units = TableUnits(
+        speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit or "deg", phase_unit is not None
+    )
     if not isinstance(source, str | Path):
         return _run_of_table(RunTable.of(source), "run", machine, units)
     path = found_example(Path(source))

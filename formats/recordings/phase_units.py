@@ -29,6 +29,11 @@ def contradicted_phase_unit(phase: Floats, unit: str) -> tuple[str, PhaseUnit] |
     return None
 
 
+def is_possible_of_one_channel(phase: Floats, right: str) -> bool:
+    """Check whether phases (S, m) may be in degrees though they look like radians: those of one channel may all be small."""
+    return right == "rad" and phase.shape[1] == 1
+
+
 def look_like_radians(phase: Floats) -> bool:
     """Check whether phases spread over about a turn in radians."""
     narrow = phase.size >= FEWEST_PHASES and np.max(np.abs(phase)) <= FULL_TURN_RAD

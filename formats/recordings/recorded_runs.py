@@ -10,6 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
+from estimator.arrays import Floats
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.machine.document import Machine
 from estimator.machine.speed_units import outside_speed_range
@@ -19,7 +20,7 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.phasors.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from formats.files.document_files import UnreadableFile
-from formats.recordings.phase_units import contradicted_phase_unit
+from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
 from formats.wire import Rejected, to_samples
 from storage.clock import now
@@ -74,10 +75,7 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     recording = read_recording(file, sidecar)
     if recording.machine != machine.id:
         raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
-    contradiction = contradicted_phase_unit(np.array(recording.phase, dtype=float), recording.phase_unit)
-    if contradiction is not None:
-        why, right = contradiction
-        raise UnreadableFile(f"{file}: {why}: its sidecar should say phase_unit: {right}")
+    doubts = _phase_doubts(np.array(recording.phase, dtype=float), recording.phase_unit, file)
     try:
         samples, taken, faults = to_samples(recording, machine, received_at=now())
     except Rejected as error:
@@ -96,7 +94,19 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
         recorded = replace(recorded, time=None)  # no sweep has gone through them
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
     words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults]
-    return _ReadRun(recorded, measurement, circumstances, taken, [*words, *([f"{file}: {outside}"] if outside else [])])
+    words += [*([f"{file}: {outside}"] if outside else []), *doubts]
+    return _ReadRun(recorded, measurement, circumstances, taken, words)
+
+
+def _phase_doubts(phase: Floats, unit: str, file: Path) -> list[str]:
+    """Return why phases (S, m) are probably in another unit. Raises UnreadableFile where they are in another one."""
+    contradiction = contradicted_phase_unit(phase, unit)
+    if contradiction is None:
+        return []
+    why, right = contradiction
+    if is_possible_of_one_channel(phase, right):
+        return [f"{file}: {why}, and is taken as the degrees that its sidecar says"]
+    raise UnreadableFile(f"{file}: {why}: its sidecar should say phase_unit: {right}")
 
 
 def _calibration_run(machine: Machine, file: Path, read: _ReadRun) -> CalibrationRun:

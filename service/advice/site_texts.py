@@ -5,8 +5,9 @@ misalignment:
   at_next_stop: ["Call the alignment crew (tel. 417) for coupling {id}; sheet A-12"]
 ```
 
-Each finding has `what`, one text, and lists of texts; what is left out stays as the service has it. Texts hold for readers of
-every language; below the code of a language (`de:`) they hold for that one alone.
+Each finding has `what`, one text, and lists of texts; what is left out stays as the service has it. A seal that has changed is
+found as a bearing is, and has texts of its own below `seal`. Texts hold for readers of every language; below the code of a
+language (`de:`) they hold for that one alone.
 """
 
 from collections.abc import Mapping
@@ -22,8 +23,10 @@ from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
 
-KINDS = (*(one.kind for one in FINDING_RULES), RATE_RULE.kind)
-"""Kinds of findings that have texts."""
+OF_ELEMENTS = {element: one.kind for one in FINDING_RULES for element in one.texts_of_elements}
+"""Kinds of elements of which a finding has texts of their own, with that finding: a changed seal is found as a bearing."""
+KINDS = (*(one.kind for one in FINDING_RULES), RATE_RULE.kind, *OF_ELEMENTS)
+"""Kinds of findings, and of elements, that have texts."""
 FIELDS = ("what", *LISTS)
 
 
@@ -51,8 +54,9 @@ class SiteTexts:
         element_kind: kind of the element that they are said of.
         """
         texts = rule_of_kind(kind).texts_in(self.language, element_kind)
+        written_as = element_kind if OF_ELEMENTS.get(element_kind) == kind else kind
         for code in ("", self.language.code):
-            own = self.written.get(code, {}).get(kind)
+            own = self.written.get(code, {}).get(written_as)
             texts = texts if own is None else replace(texts, **own)
         return texts
 
@@ -101,11 +105,12 @@ def _parsed(content: Mapping[Any, Any]) -> tuple[Written, list[str]]:
         wrong = list(_wrong_fields(said))
         problems += [f"{kind}.{where}: {message}" if where else f"{kind}: {message}" for where, message in wrong]
         if not wrong:
-            rule = rule_of_kind(kind)
+            rule = rule_of_kind(OF_ELEMENTS.get(kind, kind))
+            element_kind = kind if kind in OF_ELEMENTS else ""
             found[kind] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
             problems += [
                 f"{kind}.{where}: {message}"
-                for where, message in rule.problems(replace(rule.texts_in(ENGLISH), **found[kind]))
+                for where, message in rule.problems(replace(rule.texts_in(ENGLISH, element_kind), **found[kind]))
             ]
     return found, problems
 

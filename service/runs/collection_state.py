@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from estimator.runs.operating_state import OperatingState
 from estimator.runs.speed_bins import SpeedBins
+from service.runs.danger_level import DangerLevel
 from service.runs.late_samples import Window
 from storage.clock import is_ahead
 from storage.measurements import runs
@@ -21,6 +22,7 @@ class CollectionState:
     revision: revision of the document. seen: time of the newest known sample [ns]. direction: direction of rotation, as last
     reported. late: windows of late samples. bins, rolled_at: bins of rolling collection, and when it last started anew [ns].
     slowest, fastest: the speeds between which it has turned since the document's revision, 0 before it has [rad/s].
+    beyond_danger: level of the newest sample where it is beyond the danger limit of that revision.
     """
 
     revision: int
@@ -32,6 +34,7 @@ class CollectionState:
     rolled_at: int = 0
     slowest: float = 0.0
     fastest: float = 0.0
+    beyond_danger: DangerLevel | None = None
 
     @classmethod
     def restored(cls, stored: dict[str, Any]) -> Self:
@@ -48,6 +51,7 @@ class CollectionState:
             rolled_at=stored.get("rolled_at", 0),
             slowest=stored.get("slowest", 0.0),
             fastest=stored.get("fastest", 0.0),
+            beyond_danger=DangerLevel.restored(stored.get("beyond_danger")),
         )
 
     @property
@@ -77,6 +81,7 @@ class CollectionState:
             "rolled_at": self.rolled_at,
             "slowest": self.slowest,
             "fastest": self.fastest,
+            "beyond_danger": None if self.beyond_danger is None else self.beyond_danger.stored(),
         }
 
 

@@ -16,6 +16,7 @@ from estimator.runs.operating_state import ModeChanged, OperatingEvent, Operatin
 from estimator.runs.segmentation import RunEnded, RunStarted
 from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
 from service.runs.collection_state import CollectionState, state_of, states_of
+from service.runs.danger_level import DangerLevel
 from service.runs.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
 from storage.encoding.sample_blocks import Samples
@@ -83,6 +84,8 @@ class Collector:
                 now.note_speed(now.operating.sweep.believed_speed)
             for event in events:
                 _record(session, machine, revision, direction, event)
+        if len(fresh):
+            now.beyond_danger = DangerLevel.of_newest(machine, fresh)
         if machine.collection.runs != "sweeps" and len(fresh):
             _fill_bins(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
         runs.save_collector_state(session, machine.id, now.stored())

@@ -1,7 +1,7 @@
 """A finding as texts describe it: its kind, element and numbers, read from its stored evidence."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from estimator.diagnosis.finding_kind import SizePart
@@ -47,9 +47,16 @@ class DescribedFinding:
         return "allowed_at_rpm" in self.quantities
 
     def parts(self) -> Iterator[SizePart]:
-        """Yield the figures of its size; none of what an older release has stored."""
+        """Yield the figures of its size, lengths in the reader's unit; none of what an older release has stored."""
         for one in self.evidence.get("parts") or ():
-            yield SizePart(**(one | {"members": tuple(one["members"])}))
+            part = SizePart(**(one | {"members": tuple(one["members"])}))
+            yield self._in_length_unit(part) if part.unit == "um" else part
+
+    def _in_length_unit(self, part: SizePart) -> SizePart:
+        names = ("value", "lower", "upper", "allowed", "before")
+        told = {name: getattr(part, name) for name in names}
+        scaled = {name: None if one is None else self.language.in_length_unit(one) for name, one in told.items()}
+        return replace(part, unit=self.language.length_unit, **scaled)  # type: ignore[arg-type]
 
     def elements_in_per_cent(self) -> set[str]:
         """Return the elements whose figures are in per cent."""

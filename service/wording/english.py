@@ -17,8 +17,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "size.no_phasors": "gives no usable phasors any more",
     "size.sensor": "or its chain reads differently: gain {gain:+.0f} %, phase {phase:+.0f}°{whole}",
     "size.together": " (together {whole})",
-    "size.bore": "bore by {size} {unit} at {angle:.0f}°",
-    "size.face": "face by {size} {unit} at {angle:.0f}°",
+    "size.bore": "bore by {size} at {angle:.0f}°",
+    "size.face": "face by {size} at {angle:.0f}°",
     "size.rate": "{rate:+.2g} % a week ({lower:+.2g} to {upper:+.2g})",
     "size.stiffness": "stiffness {parts}",
     "size.all_coefficients": "all coefficients of {element} together",
@@ -39,7 +39,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "angle.vertical.down": "it rises less from the coupling on",
     "angle.horizontal.up": "it runs more towards +x",
     "angle.horizontal.down": "it runs more towards -x",
-    "offset.told": "the driven shaft lies {value} µm {direction} (allowed {allowed:.0f} µm at {rpm:.0f} r/min)",
+    "offset.told": "the driven shaft lies {value} {direction} (allowed {allowed} at {rpm:.0f} r/min)",
     "angle.told": "{direction}, by {value} µrad (allowed {allowed:.0f} µrad)",
     "undetermined.offset": "the offset is not determined",
     "undetermined.offset.vertical": "the vertical offset is not determined",
@@ -53,13 +53,14 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "load.next_more": "{bearing} {change:.0f} % more",
     "load.next_less": "{bearing} {change:.0f} % less",
     "equivalents": "the same as bearing {moves}",
-    "equivalent": "{bearing} {size:.0f} µm {direction}",
+    "equivalent": "{bearing} {size} {direction}",
     "elsewhere": "elsewhere",
-    "wear": "{grown} % larger, {after:.0f} µm in place of {before:.0f} µm",
+    "wear": "{grown} % larger, {after} in place of {before}",
     # --- what is left open
     "open.relative": "All of it is relative to the baseline: what was off then is not seen",
     "open.form": "Whether it is parallel or angular",
-    "open.films": "Offset in µm and angle in mrad: only trains whose document describes the oil films by geometry tell them",
+    "open.films": "Offset in {unit} and angle in mrad: only trains whose document describes the oil films by geometry "
+    "tell them",
     "open.parameters": "{names}: not determined one by one by the newest run",
     # --- parameters
     "parameter.critical_speed": "critical speed {number}",
@@ -80,8 +81,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "sure.runs": " over the newest {runs} runs together",
     "sure.run": " in the newest run",
     "sure.lead": "; {factor} times more probable than the next explanation, {next}",
-    "second_order.grown": "the 2× at probe {probe} has grown from {before} to {now} µm, as beside a misaligned coupling, and "
-    "at no probe elsewhere (common practice)",
+    "second_order.grown": "the 2× at probe {probe} has grown from {before} to {now} {unit}, as beside a misaligned coupling, "
+    "and at no probe elsewhere (common practice)",
     "second_order.decided": "; by 1× alone {next} explains it about as well: it is named because {grown}",
     "second_order.speaks": "; {grown}, which speaks for it rather than for the next explanation",
     "sure.million": "more than a million",

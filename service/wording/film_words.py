@@ -46,7 +46,7 @@ def undetermined_alignment(numbers: Numbers, language: Language = ENGLISH) -> li
 def settlement_words(q: Numbers, language: Language = ENGLISH) -> str:
     """Return by how much a bearing has settled by itself."""
     parts = [
-        f"{shown(abs(q[f'{plane}_um']), CONFIDENCE_95 * q[f'{plane}_error_um'], language)} µm "
+        f"{shown_length(abs(q[f'{plane}_um']), CONFIDENCE_95 * q[f'{plane}_error_um'], language)} "
         + _direction("offset", plane, q[f"{plane}_um"], language)
         for plane in PLANES
         if abs(q.get(f"{plane}_um", 0.0)) > CONFIDENCE_95 * q.get(f"{plane}_error_um", 0.0)
@@ -57,13 +57,20 @@ def settlement_words(q: Numbers, language: Language = ENGLISH) -> str:
 def wear_words(q: Numbers, language: Language = ENGLISH) -> str:
     """Return by how much a bearing's clearance has grown."""
     grown = shown(q["clearance_per_cent"], CONFIDENCE_95 * q["clearance_error_per_cent"], language)
-    return language.translate("wear", grown=grown, after=q["after_um"], before=q["before_um"])
+    return language.translate(
+        "wear", grown=grown, after=language.length(q["after_um"]), before=language.length(q["before_um"])
+    )
 
 
 def shown(value: float, half: float, language: Language = ENGLISH) -> str:
     """Return a value with the half width of its interval, both to the digit that the half width has two of."""
-    digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 2
+    digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 3 if 0.0 < half < 0.02 else 2
     return language.digits(f"{value:.{digits}f} ± {half:.{digits}f}")
+
+
+def shown_length(value: float, half: float, language: Language = ENGLISH) -> str:
+    """Return a length with the half width of its interval [µm], in the unit that the reader asked for."""
+    return f"{shown(language.in_length_unit(value), language.in_length_unit(half), language)} {language.length_unit}"
 
 
 def _probability_beyond(numbers: Numbers, allowed_name: str) -> float:
@@ -84,9 +91,9 @@ def _offsets(q: Numbers, language: Language) -> Iterator[str]:
         if value is not None and abs(value) > half:
             yield language.translate(
                 "offset.told",
-                value=shown(abs(value), half, language),
+                value=shown_length(abs(value), half, language),
                 direction=_direction("offset", plane, value, language),
-                allowed=q[f"offset_{plane}_allowed_um"],
+                allowed=language.length(q[f"offset_{plane}_allowed_um"]),
                 rpm=q["allowed_at_rpm"],
             )
 
@@ -129,6 +136,10 @@ def _equivalents(q: Numbers, language: Language) -> Iterator[str]:
         plane = said.quantity.removesuffix("_um")
         if said.element_kind == "bearing" and plane in PLANES:
             direction = _direction("offset", plane, value, language)
-            found.append(language.translate("equivalent", bearing=said.element_id, size=abs(value), direction=direction))
+            found.append(
+                language.translate(
+                    "equivalent", bearing=said.element_id, size=language.length(abs(value)), direction=direction
+                )
+            )
     if found:
         yield language.translate("equivalents", moves=language.translate("or").join(found))

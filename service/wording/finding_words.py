@@ -119,18 +119,19 @@ def run_out_words(finding: DescribedFinding) -> Mapping[str, str]:
     parts = list(finding.parts())
     if parts:
         return {"size": interval(parts[0], finding.language)}
-    return {"size": f"{rounded(finding.quantities['largest_um'], 2, finding.language)} µm"}
+    return {"size": f"{_rounded_length(finding.quantities['largest_um'], finding.language)}"}
 
 
 def coupling_run_out_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the change of a coupling's run-out at bore and face, each with its angle."""
     q, language = finding.quantities, finding.language
     parts = [
-        language.translate(
-            f"size.{what}", size=rounded(q[f"{name}_{unit}"], 2, language), unit=UNITS[unit], angle=q[f"{name}_deg"]
+        language.translate(f"size.{what}", size=size, angle=q[f"{name}_deg"])
+        for what, name, size in (
+            ("bore", "offset", _rounded_length(q["offset_um"], language) if "offset_um" in q else None),
+            ("face", "angle", f"{rounded(q['angle_urad'], 2, language)} µrad" if "angle_urad" in q else None),
         )
-        for what, name, unit in (("bore", "offset", "um"), ("face", "angle", "urad"))
-        if f"{name}_{unit}" in q
+        if size is not None
     ]
     return {"size": language.translate("and").join(parts)}
 
@@ -164,7 +165,11 @@ def alignment_questions(finding: DescribedFinding) -> Sequence[str]:
         missing = undetermined_alignment(finding.quantities, finding.language)
         return [*(one[:1].upper() + one[1:] for one in missing), finding.language.translate("open.relative")]
     open_form = () if finding.form else (finding.language.translate("open.form"),)
-    return [*open_form, finding.language.translate("open.films"), *element_questions(finding)]
+    return [
+        *open_form,
+        finding.language.translate("open.films", unit=finding.language.length_unit),
+        *element_questions(finding),
+    ]
 
 
 def element_questions(finding: DescribedFinding) -> Sequence[str]:
@@ -187,8 +192,9 @@ def second_order_words(finding: DescribedFinding, next_best: str) -> str:
     said, language = finding.evidence.get("second_order"), finding.language
     if not said:
         return ""
-    before, now = (rounded(said[name], 2, language) for name in ("before_um", "now_um"))
-    grown = language.translate("second_order.grown", probe=said["probe"], before=before, now=now)
+    before, now = (rounded(language.in_length_unit(said[name]), 2, language) for name in ("before_um", "now_um"))
+    unit = language.length_unit
+    grown = language.translate("second_order.grown", probe=said["probe"], before=before, now=now, unit=unit)
     key = "second_order.decided" if said["decided"] else "second_order.speaks"
     return language.translate(key, grown=grown, next=next_best)
 
@@ -234,6 +240,10 @@ def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:
     shown_value = float(f"{value:.{digits}g}")
     decimals = 0 if shown_value == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(shown_value))))
     return language.digits(f"{shown_value:.{decimals}f}")
+
+
+def _rounded_length(micrometres: float, language: Language) -> str:
+    return f"{rounded(language.in_length_unit(micrometres), 2, language)} {language.length_unit}"
 
 
 def described_parts(finding: DescribedFinding) -> Iterator[SizePart]:

@@ -17,8 +17,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "size.no_phasors": "liefert keine brauchbaren Zeiger mehr",
     "size.sensor": "oder seine Messkette misst anders: Verstärkung {gain:+.0f} %, Phase {phase:+.0f}°{whole}",
     "size.together": " (zusammen {whole})",
-    "size.bore": "Bohrung um {size} {unit} bei {angle:.0f}°",
-    "size.face": "Stirnfläche um {size} {unit} bei {angle:.0f}°",
+    "size.bore": "Bohrung um {size} bei {angle:.0f}°",
+    "size.face": "Stirnfläche um {size} bei {angle:.0f}°",
     "size.rate": "{rate:+.2g} % je Woche ({lower:+.2g} bis {upper:+.2g})",
     "size.stiffness": "Steifigkeit {parts}",
     "size.all_coefficients": "alle Koeffizienten von {element} zusammen",
@@ -39,7 +39,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "angle.vertical.down": "sie steigt von der Kupplung an schwächer",
     "angle.horizontal.up": "sie läuft stärker in +x",
     "angle.horizontal.down": "sie läuft stärker in -x",
-    "offset.told": "die getriebene Welle liegt {value} µm {direction} (zulässig {allowed:.0f} µm bei {rpm:.0f} 1/min)",
+    "offset.told": "die getriebene Welle liegt {value} {direction} (zulässig {allowed} bei {rpm:.0f} 1/min)",
     "angle.told": "{direction}, um {value} µrad (zulässig {allowed:.0f} µrad)",
     "undetermined.offset": "der Parallelversatz ist nicht bestimmt",
     "undetermined.offset.vertical": "der vertikale Parallelversatz ist nicht bestimmt",
@@ -53,13 +53,13 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "load.next_more": "{bearing} {change:.0f} % mehr",
     "load.next_less": "{bearing} {change:.0f} % weniger",
     "equivalents": "gleichbedeutend mit Lager {moves}",
-    "equivalent": "{bearing} {size:.0f} µm {direction}",
+    "equivalent": "{bearing} {size} {direction}",
     "elsewhere": "anderswo",
-    "wear": "{grown} % größer, {after:.0f} µm statt {before:.0f} µm",
+    "wear": "{grown} % größer, {after} statt {before}",
     # --- what is left open
     "open.relative": "Alles gilt gegenüber dem Referenzzustand: Was damals schon falsch war, ist nicht zu sehen",
     "open.form": "Ob es Parallel- oder Winkelversatz ist",
-    "open.films": "Versatz in µm und Winkel in mrad: Nur Wellenstränge, deren Dokument die Ölfilme durch ihre Geometrie "
+    "open.films": "Versatz in {unit} und Winkel in mrad: Nur Wellenstränge, deren Dokument die Ölfilme durch ihre Geometrie "
     "beschreibt, geben sie an",
     "open.parameters": "{names}: vom neuesten Lauf nicht einzeln bestimmt",
     # --- parameters
@@ -82,7 +82,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "sure.runs": " über die neuesten {runs} Läufe gemeinsam",
     "sure.run": " im neuesten Lauf",
     "sure.lead": "; {factor} Mal so wahrscheinlich wie die nächste Erklärung: {next}",
-    "second_order.grown": "das 2× an Aufnehmer {probe} ist von {before} auf {now} µm gewachsen, wie neben einer schlecht "
+    "second_order.grown": "das 2× an Aufnehmer {probe} ist von {before} auf {now} {unit} gewachsen, wie neben einer schlecht "
     "ausgerichteten Kupplung, und an keinem Aufnehmer sonst (gängige Praxis)",
     "second_order.decided": "; nach dem 1× allein wäre die nächste Erklärung ({next}) etwa ebenso gut: den Ausschlag "
     "gibt das 2×: {grown}",

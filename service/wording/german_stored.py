@@ -401,6 +401,13 @@ GERMAN_STORED: Mapping[str, str] = {
     "a repeated initial run would tell": "ein wiederholter Urlauf würde es zeigen",
     "run {number}": "Lauf {number}",
     # --- warnings of documents
+    "{speed} r/min: trains usually reach {usual} r/min and more": (
+        "{speed} 1/min: Wellenstränge erreichen meist {usual} 1/min und mehr"
+    ),
+    "was {value} Hz meant, {speed} r/min?": "waren {value} Hz gemeint, {speed} 1/min?",
+    "{running} r/min lies below the speed range, {low} to {high} r/min": (
+        "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min"
+    ),
     "{density} kg/m³: steel has 7850 kg/m³": "{density} kg/m³: Stahl hat 7850 kg/m³",
     "was {value} g/cm³ meant?": "waren {value} g/cm³ gemeint?",
     "{elevation} µm is more than the radial clearance, {clearance} µm: usual are some 10 µm": (

@@ -1,7 +1,8 @@
 """Languages in which findings are described: their sentences, names and numbers. What one lacks is said in English."""
 
+import itertools
 import string
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -10,6 +11,12 @@ from service.wording.german import GERMAN_SENTENCES
 
 Locale = Literal["en", "de"]
 """Languages that there are, as RFC 5646 writes them."""
+LengthUnit = Literal["µm", "mil"]
+"""Units of small lengths."""
+MIL_UM = 25.4
+"""Micrometres in a mil, a thousandth of an inch."""
+MILS_ASKED = ("ms", "ussystem")
+"""Subtags of a language tag that ask for units of the US (Unicode Technical Standard 35, key `ms`): `en-u-ms-ussystem`."""
 SENTENCES: Mapping[Locale, Mapping[str, str]] = {"en": ENGLISH_SENTENCES, "de": GERMAN_SENTENCES}
 
 
@@ -26,9 +33,10 @@ class _Filling(string.Formatter):
 
 @dataclass(frozen=True)
 class Language:
-    """A language by its code."""
+    """A language by its code, and the unit in which its readers want small lengths."""
 
     code: Locale = "en"
+    length_unit: LengthUnit = "µm"
 
     def translate(self, key: str, /, **values: Any) -> str:
         """Return a sentence with values in its places. Raises KeyError for an unknown key, or one without its value."""
@@ -36,6 +44,15 @@ class Language:
         if mark == ".":
             return self._sentence(key).format_map(values)  # the same, at a tenth of the time
         return _Filling(mark).vformat(self._sentence(key), (), values)
+
+    def in_length_unit(self, micrometres: float) -> float:
+        """Return a small length [µm] in the readers' unit."""
+        return micrometres if self.length_unit == "µm" else micrometres / MIL_UM
+
+    def length(self, micrometres: float) -> str:
+        """Return a small length [µm] with its unit, to 1 µm or 0.01 mil."""
+        decimals = 0 if self.length_unit == "µm" else 2
+        return f"{self.digits(f'{self.in_length_unit(micrometres):.{decimals}f}')} {self.length_unit}"
 
     def decimal_mark(self) -> str:
         """Return the decimal mark."""
@@ -81,16 +98,22 @@ LONGEST_HEADER = 1_000
 def asked_language(accepted: str, default: Language) -> Language:
     """Return the language that an Accept-Language header asks for (RFC 9110 §12.5.4); the default without one of ours.
 
-    Of a very long header only the beginning counts: reading all of it would hold up everybody else's requests.
+    A tag with the units of the US, `en-u-ms-ussystem`, asks for mils. Of a very long header only the beginning counts: reading
+    all of it would hold up everybody else's requests.
     """
     best, wished = default, 0.0
     for part in accepted[:LONGEST_HEADER].split(","):
         tag, _, quality = part.strip().partition(";")
         weight = _quality(quality)
+        code, *subtags = tag.strip().lower().split("-")
         for one in LANGUAGES:
-            if tag.strip().lower().split("-")[0] == one.code and weight > wished:
-                best, wished = one, weight
+            if code == one.code and weight > wished:
+                best, wished = Language(one.code, _length_unit(subtags)), weight
     return best
+
+
+def _length_unit(subtags: Sequence[str]) -> LengthUnit:
+    return "mil" if MILS_ASKED in itertools.pairwise(subtags) else "µm"
 
 
 def _quality(said: str) -> float:

@@ -30,6 +30,17 @@ def test_an_alert_is_acknowledged_by_keys_and_mouse(seen: Seen, service: Service
     assert seen.errors == []
 
 
+def test_the_texts_of_an_alert_follow_the_unit(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    seen.open(f"alerts/{alert['id']}")
+    expect(seen.page.get_by_text("Offset in µm and angle in mrad")).to_be_visible()
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_pp,rpm")
+    expect(seen.page.get_by_text("Offset in mil and angle in mrad")).to_be_visible()
+    seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
+    expect(seen.page.get_by_text("Offset in µm and angle in mrad")).to_be_visible()
+    assert seen.errors == []
+
+
 def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}")
     comment = seen.page.locator(".alert-row").get_by_role("button", name="Comment")

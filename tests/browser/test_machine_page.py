@@ -26,10 +26,12 @@ def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
 def test_fleet_names_identifications_that_failed_and_speeds_out_of_range(seen: Seen, service: Service) -> None:
     fleet = service.get("/fleet")
     wrong = {"failed_job": {"id": 7, "error": "NotEnoughData"}, "outside_speed_range": "it turned at 9 r/min"}
+    wrong |= {"vibration_beyond_danger": {"channel": "B2X", "amplitude_um_pp": 150.0, "danger_um_pp": 120.0}}
     fleet["machines"] = [one | wrong for one in fleet["machines"]]
     seen.page.route(re.compile("/api/v1/fleet"), lambda route: route.fulfill(json=fleet))
     seen.open()
     needed = seen.page.locator(f"tr[data-machine={MACHINE}] .needs")
+    expect(needed).to_contain_text("act on vibration beyond its danger limit at B2X")
     expect(needed).to_contain_text("see to an identification that failed")
     expect(needed).to_contain_text("check its speeds: it never came into its range")
     assert seen.errors == []

@@ -158,6 +158,39 @@ def test_alignment_of_the_coupling_is_told_with_what_is_known_of_its_change(seen
     assert seen.errors == []
 
 
+def test_alignment_and_loads_against_a_baseline_follow_the_unit(seen: Seen, films: Service) -> None:
+    """The machine's own numbers, with changes as a complete baseline gives them."""
+    change = {"value": 254e-6, "lower": 203.2e-6, "upper": 304.8e-6, "reason": None}
+    load = {"bearing": "B2", "unit": "N", "before": 5000.0}
+    loads = [
+        load
+        | {"name": "bearing.B2.load_vertical", "quantity": "load_vertical", "change_per_cent": 7.2}
+        | {"change": {"value": 360.0, "lower": 300.0, "upper": 420.0, "reason": None}},
+        load
+        | {"name": "bearing.B2.load_horizontal", "quantity": "load_horizontal", "change_per_cent": None}
+        | {"change": {"value": None, "lower": None, "upper": None, "reason": REASON}},
+    ]
+    told = films.get(f"/machines/{FILMS}/alignment")
+
+    def compared(route: Route) -> None:
+        numbers = [one | {"change": change, "allowed": 50.8e-6, "beyond": 0.99} for one in told["numbers"][:1]]
+        route.fulfill(json=told | {"missing": None, "numbers": numbers, "loads": loads})
+
+    seen.page.route(re.compile("/alignment"), compared)
+    seen.open(f"machines/{FILMS}/model")
+    found = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alignment of couplings"))
+    rows = found.get_by_role("table").nth(1).get_by_role("row")
+    expect(rows).to_have_count(3)
+    expect(rows.nth(1)).to_contain_text(re.compile(r"^B2Load, vertical5000 N360 N \(7\.20 %\)\s*300 … 420$"))
+    expect(rows.nth(2)).to_contain_text(f"not determined: {REASON}")
+    expect(found).to_contain_text("254 µm")
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_pp,rpm")
+    expect(found).to_contain_text(re.compile(r"10\.0 mil\s*8\.00 … 12\.0"))
+    expect(found).to_contain_text("2.00 mil")
+    expect(found).not_to_contain_text("µm")
+    assert seen.errors == []
+
+
 @pytest.mark.usefixtures("films")
 def test_what_the_data_do_not_say_has_its_reason(seen: Seen) -> None:
     """Neither a dot nor a point is drawn of it."""

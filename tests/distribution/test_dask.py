@@ -227,3 +227,10 @@ def test_a_frozen_scheduler_is_noticed(
         until(lambda: "does not answer" in (work.trouble or ""), within_s=30, what="the scheduler is named")
         scheduler.send_signal(signal.SIGCONT)
         until(lambda: counts(database) == {"done": 2}, within_s=60, what="it goes on")
+
+
+def test_a_worker_that_waits_for_its_scheduler_ends_when_it_is_told_to(cluster: Cluster) -> None:
+    worker = cluster.start_worker("waiting")
+    until(lambda: "Waiting to connect" in cluster.log("waiting"), within_s=30, what="it waits")
+    worker.send_signal(signal.SIGTERM)
+    assert worker.wait(timeout=20) == 0, cluster.log("waiting")

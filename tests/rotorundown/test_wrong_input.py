@@ -34,6 +34,10 @@ def test_what_was_not_read_is_told_how_to_read_it(pump: Machine, run: rd.Machine
         with pytest.raises(NothingToIdentify, match=r"read it first, with read_run\(…, machine=…\)") as raised:
             rd.identify(pump, wrong)
         one_line(raised)
+    swapped: tuple[Any, Any] = (run, pump)
+    with pytest.raises(NothingToIdentify, match=r"the machine comes first, identify\(machine, run\)") as raised:
+        rd.identify(*swapped)
+    one_line(raised)
     unread: Any = str(PUMP)
     with pytest.raises(NothingToIdentify, match=r"the machine is a str: read it first, with read_machine\(…\)"):
         rd.identify(unread, run)
@@ -388,6 +392,18 @@ def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path
     (line,) = ended.stderr.splitlines()
     assert line.startswith("rundown: ")
     assert words in line
+
+
+def test_small_phases_of_a_single_channel_are_degrees_where_somebody_says_so(run: rd.MachineRun, pump: Machine) -> None:
+    """A stiff place may turn by a few degrees only; four of them that do are rather in radians."""
+    frame = in_radians(run.to_frame())
+    one = frame[["speed_rpm", "B2L_um_pp", "B2L_lag_deg"]]
+    with pytest.raises(WrongRun, match="looks like radians: say phase_unit='rad', or phase_unit='deg' where they are"):
+        rd.read_run(one, machine=pump)
+    (line,) = rd.read_run(one, machine=pump, phase_unit="deg").left_out
+    assert line.endswith("which looks like radians: taken as degrees, as phase_unit says")
+    with pytest.raises(WrongRun, match="which looks like radians: say phase_unit='rad'"):
+        rd.read_run(frame, machine=pump, phase_unit="deg")
 
 
 def test_one_channel_in_radians_among_others_in_degrees_is_named(run: rd.MachineRun, pump: Machine) -> None:

@@ -10,7 +10,7 @@ export interface Unit {
 
 export interface Units {
   amplitude: Unit;
-  /** Of places along a probe's axis, from µm. */
+  /** Of places along a probe's axis and of alignments, from µm. */
   length: Unit;
   speed: Unit;
 }
@@ -38,6 +38,11 @@ function saved(): string {
 }
 
 export const unitChoice = new Store<string>(saved());
+
+/** The unit of small lengths now, for what is drawn anew when another one is chosen. */
+export function lengthUnit(): Unit {
+  return UNIT_CHOICES.find(([one]) => one === unitChoice.value)![1].length;
+}
 
 export function chooseUnits(name: string): void {
   window.localStorage.setItem(STORAGE_KEY, name);

@@ -17,18 +17,25 @@ export function RunSelect({ all, listed, run, reference }: RunSelection) {
           <Options runs={all ?? []} />
         </select>
       </label>
-      <label>
-        {t("overlay")}
-        <select value={reference?.id ?? ""} onChange={(event) => replaceQuery({ reference: event.currentTarget.value || null })}>
-          <option value="">{t("none")}</option>
-          <Options runs={sameKind} />
-        </select>
-      </label>
+      <OverlaySelect runs={sameKind} chosen={reference} />
       <Truncated shown={listed} limit={MAX_RUNS} of={t("runs")} />
       <button type="button" disabled={sameKind.length === 0} onClick={() => replaceQuery({ reference: String(sameKind.at(-1)!.id) })}>
         {t("overlayTheOldestOfIts")}
       </button>
     </>
+  );
+}
+
+/** A field to choose the run that is overlaid, which the address names. */
+export function OverlaySelect({ runs, chosen }: { runs: Run[]; chosen: Run | undefined }) {
+  return (
+    <label>
+      {t("overlay")}
+      <select value={chosen?.id ?? ""} onChange={(event) => replaceQuery({ reference: event.currentTarget.value || null })}>
+        <option value="">{t("none")}</option>
+        <Options runs={runs} />
+      </select>
+    </label>
   );
 }
 

@@ -1,4 +1,5 @@
 // Requests to the API, and their errors.
+import { lengthUnit } from "../browser/units";
 import { joinedSignal } from "./abort-signals";
 import { locale } from "../messages/locale";
 import { t } from "../messages/messages";
@@ -45,6 +46,11 @@ function pending(waitedMs = TIMEOUT_MS): ApiError {
   return new ApiError(0, t("theServiceIsUpBut", { seconds: waitedMs / 1000 }), true);
 }
 
+/** The language of findings' texts; with the units of the US (Unicode's key `ms` of language tags) their lengths are in mils. */
+function acceptLanguage(): string {
+  return lengthUnit().label === "mil" ? `${locale}-u-ms-ussystem` : locale;
+}
+
 /** Throws what the options' signal was aborted with. */
 async function request(path: string, options: RequestInit): Promise<Response> {
   let response: Response;
@@ -54,7 +60,7 @@ async function request(path: string, options: RequestInit): Promise<Response> {
     const waited = AbortSignal.timeout(waitMs);
     response = await fetch(API_PREFIX + path, {
       ...options,
-      headers: { "accept-language": locale, ...options.headers },
+      headers: { "accept-language": acceptLanguage(), ...options.headers },
       signal: options.signal ? joinedSignal(options.signal, waited) : waited,
     });
   } catch (error) {

@@ -1,6 +1,7 @@
 // A cache of the API's resources that components share: requested once, kept, and requested again when something changed.
 import { useLayoutEffect } from "preact/hooks";
 import { Store, useStore, useStores } from "../browser/store";
+import { unitChoice } from "../browser/units";
 import { connection, latestAlertEvent, reconnects } from "./connection";
 import { ApiError, get } from "./http-client";
 import { isComputed } from "./turns";
@@ -138,6 +139,7 @@ reconnects.subscribe(() => {
   for (const one of resources.values()) one.abandon(); // the connection that its answer was to come by may be gone
   void refetch("");
 });
+unitChoice.subscribe(() => void refetch("")); // sentences of findings tell lengths in the unit that is chosen
 latestAlertEvent.subscribe(() => {
   void refetch("/alerts");
   void refetch("/deviations");

@@ -21,19 +21,24 @@ export interface Scale {
   unit: string;
 }
 
-/** A unit of speeds, and its factor from revolutions a minute. */
-export interface SpeedUnit {
+/** The units that speeds and small lengths are shown in, with their factors from revolutions a minute and micrometres. */
+export interface ShownUnits {
+  speed: ShownUnit;
+  length: ShownUnit;
+}
+
+export interface ShownUnit {
   label: string;
   factor: number;
 }
 
-const RPM: SpeedUnit = { label: t("rpm"), factor: 1 };
+const USUAL: ShownUnits = { speed: { label: t("rpm"), factor: 1 }, length: { label: "µm", factor: 1 } };
 
-/** How numbers of some size in an SI unit are shown: 18 MN/m, 530 g·mm. speed: the unit that speeds are shown in. */
-export function scaleOf(largest: number, unit: string, speed = RPM): Scale {
+/** How numbers of some size in an SI unit are shown: 18 MN/m, 530 g·mm. */
+export function scaleOf(largest: number, unit: string, { speed, length } = USUAL): Scale {
   if (unit === "kg m") return { factor: 1e6, unit: "g·mm" };
   if (unit === "" || unit === "-" || unit === "1") return { factor: 1, unit: "" };
-  if (unit === "m") return { factor: 1e6, unit: "µm" };
+  if (unit === "m") return { factor: 1e6 * length.factor, unit: length.label };
   if (unit === "kg") return { factor: 1, unit };
   if (unit === "rad/s") return { factor: (speed.factor * 30) / Math.PI, unit: speed.label };
   const size = Math.abs(largest);
@@ -57,9 +62,9 @@ export function number(value: number | null | undefined, digits = 3): string {
   return decimal(value.toFixed(Math.min(decimals, 8)).replace("-", "−"));
 }
 
-export function quantity(value: number | null | undefined, unit: string, speed = RPM): string {
+export function quantity(value: number | null | undefined, unit: string, units = USUAL): string {
   if (value === null || value === undefined) return "–";
-  const scale = scaleOf(value, unit, speed);
+  const scale = scaleOf(value, unit, units);
   return `${number(value * scale.factor)} ${scale.unit}`.trim();
 }
 

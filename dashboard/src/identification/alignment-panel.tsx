@@ -1,10 +1,11 @@
 // Offset and angle of each coupling of a train on oil films, by itself and as changed against the baseline.
+import { useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
-import { number, scaleOf } from "../format/numbers";
+import { number, scaleOf, type ShownUnits } from "../format/numbers";
 import { stored, t, term } from "../messages/messages";
 import type { Identification } from "../schemas/identifications";
 import type { Alignment, AlignmentNumber, AlignmentTarget, Determined, LoadNumber } from "../schemas/model";
@@ -47,6 +48,7 @@ function baselineText({ baseline }: Alignment): string {
 }
 
 function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
+  const units = useUnits();
   const hasTargets = numbers.some((one) => one.target !== null);
   return (
     <Scroll label={t("table")}>
@@ -68,7 +70,7 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
               <th scope="row">{QUANTITIES[one.quantity] ?? one.quantity}</th>
               <Cell told={one.absolute} unit={one.unit} />
               {one.change ? <Cell told={one.change} unit={one.unit} /> : <td class="number">–</td>}
-              <td class="number">{allowedText(one)}</td>
+              <td class="number">{allowedText(one, units)}</td>
               {hasTargets && (one.target ? <TargetCell target={one.target} unit={one.unit} /> : <td class="number">–</td>)}
             </tr>
           ))}
@@ -107,17 +109,18 @@ function Loads({ loads }: { loads: LoadNumber[] }) {
 }
 
 /** What is allowed of the change, and where it is probably more than that, how probably. */
-function allowedText({ allowed, beyond, unit }: AlignmentNumber): string {
+function allowedText({ allowed, beyond, unit }: AlignmentNumber, units: ShownUnits): string {
   if (allowed === null) return "–";
-  const scale = scaleOf(allowed, unit);
+  const scale = scaleOf(allowed, unit, units);
   const said = `${number(allowed * scale.factor)} ${scale.unit}`;
   return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: said, per_cent: Math.floor(100 * beyond) }) : said;
 }
 
 /** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
 function TargetCell({ target: { state, target, off, beyond }, unit }: { target: AlignmentTarget; unit: string }) {
+  const units = useUnits();
   if (off.value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;
-  const scale = scaleOf(Math.max(...[off.value, off.lower, off.upper, target].map((one) => Math.abs(one ?? 0))), unit);
+  const scale = scaleOf(Math.max(...[off.value, off.lower, off.upper, target].map((one) => Math.abs(one ?? 0))), unit, units);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   const exceeded = beyond !== null && beyond > 0.5 && `; ${t("targetExceeded", { per_cent: Math.floor(100 * beyond) })}`;
   return (
@@ -129,8 +132,9 @@ function TargetCell({ target: { state, target, off, beyond }, unit }: { target: 
 
 /** part: the number in per cent of what was before; null where that says nothing. */
 function Cell({ told: { value, lower, upper, reason }, unit, part = null }: { told: Determined; unit: string; part?: number | null }) {
+  const units = useUnits();
   if (value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: reason && stored(reason) })}</td>;
-  const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit);
+  const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit, units);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return (
     <td class="number">

@@ -101,7 +101,7 @@ function valueText(value: number | null, scale: Scale): string {
 }
 
 function Row({ one, unit }: { one: ComparedChange; unit: string }) {
-  const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit, useUnits().speed);
+  const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit, useUnits());
   const isSignificant = Math.abs(one.sigma ?? 0) > SIGNIFICANT;
   return (
     <tr class={isSignificant ? "significant" : undefined}>

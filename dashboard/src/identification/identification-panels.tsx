@@ -41,9 +41,10 @@ export function IdentificationPanels({ machine, found }: { machine: Document; fo
 }
 
 function FitPanel({ machine, found }: { machine: Document; found: Identification }) {
+  const { length } = useUnits();
   return (
     <Panel title={t("fit")}>
-      <p class={found.accepted ? undefined : "error"}>{stored(found.verdict)}</p>
+      <p class={found.accepted ? undefined : "error"}>{stored(found.verdict, length)}</p>
       <dl class="facts">
         <Fact name={t("measured")}>
           <Time at={found.measured_at} />, {term(found.run_kind)},{" "}
@@ -138,7 +139,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
 }
 
 function Row({ one }: { one: Estimate }) {
-  const { speed } = useUnits();
+  const units = useUnits();
   if (one.value === null) {
     return (
       <tr>
@@ -150,10 +151,10 @@ function Row({ one }: { one: Estimate }) {
     );
   }
   const size = one.imaginary === null ? one.value : Math.hypot(one.value, one.imaginary);
-  const scale = scaleOf(size, one.unit, speed);
+  const scale = scaleOf(size, one.unit, units);
   const angle = angleText(one.angle_deg, one.angle_half_width_deg);
   return (
-    <tr title={t("standardError", { error: quantity(one.standard_error, one.unit, speed) })}>
+    <tr title={t("standardError", { error: quantity(one.standard_error, one.unit, units) })}>
       <td>{quantityName(one.parameter)}</td>
       <td class="number">
         {number(size * scale.factor)} {scale.unit}

@@ -85,8 +85,20 @@ async function storedSentences(): Promise<Readonly<Record<string, string>>> {
 /** Names of parameters within a sentence: `coupling.C1.cxy`, `disc.D1.unbalance.real`. */
 const PARAMETER = /\b(bearing|coupling|disc|material|pedestal|probe|seal|shaft|static_load)\.([\w-]+)\.([a-z]\w*)(?:\.(real|imaginary))?/g;
 
-/** A sentence that the service has stored in English, in the page's language as far as there are words for its parts. */
-export function stored(sentence: string): string {
+const MICROMETRES = /(\d+(?:[.,]\d+)?) µm(?! pp)/g;
+
+/** Lengths of a sentence in another unit than the micrometres that it tells. */
+function inLengthUnit(sentence: string, { label, factor }: { label: string; factor: number }): string {
+  if (factor === 1) return sentence;
+  return sentence.replace(MICROMETRES, (_, digits: string) => `${(Number(digits.replace(",", ".")) * factor).toFixed(2).replace(".", t("decimalMark"))} ${label}`);
+}
+
+/** A sentence that the service has stored in English, in the page's language as far as there are words for its parts. length: unit of its lengths. */
+export function stored(sentence: string, length = { label: "µm", factor: 1 }): string {
+  return inLengthUnit(translatedSentence(sentence), length);
+}
+
+function translatedSentence(sentence: string): string {
   return sentence.split("; ").map(storedPart).join("; ").replace(PARAMETER, (_, kind: string, id: string, quantity: string, component?: string) =>
     `${term(kind)} ${id} ${term(quantity)}${component ? `, ${t(component === "real" ? "realPart" : "imaginaryPart")}` : ""}`);
 }

@@ -1,5 +1,6 @@
 // The deviation of the newest identification from its baseline, by element.
 import { link } from "../browser/router";
+import { useUnits } from "../browser/units";
 import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
@@ -84,7 +85,7 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
 
 function Row({ machine, found, one }: { machine: string; found: Deviations; one: Deviations["elements"][number] }) {
   const largest = largestDeviation(found, one.element);
-  const together = togetherText(found, one.element);
+  const together = togetherText(found, one.element, useUnits().length);
   return (
     <tr>
       <td>

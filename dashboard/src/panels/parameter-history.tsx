@@ -30,7 +30,7 @@ export function ParameterHistory({ name, history, beside, kinds, markers, tests,
   const histories = beside ? [history, beside] : [history];
   const points = historyPoints(histories);
   const sizes = histories.flatMap((one) => one.series.value.filter((value) => value !== null).map(Math.abs));
-  const scale = scaleOf(Math.max(0, ...sizes), series.unit, useUnits().speed);
+  const scale = scaleOf(Math.max(0, ...sizes), series.unit, useUnits());
   // Two machines may have been measured at the same instant.
   const readOut = (index: number) => atOnce(points, index).map((one) => pointText(one, scale)).join("; ");
   const isThinned = series.down_sampling && series.down_sampling.method !== "none";

@@ -1,34 +1,58 @@
-// The run that is being collected, drawn while it grows.
-import { inUnit, speedsInUnit, useUnits } from "../browser/units";
+// The run that is being collected, drawn while it grows, over an earlier one of its kind where one is chosen.
+import { route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { inUnit, speedsInUnit, useUnits, type Units } from "../browser/units";
 import { Loading, StaleNotice } from "../components/loading";
 import { Panel } from "../components/panel";
+import { OverlaySelect } from "../components/run-select";
 import { useResource } from "../data/resource";
-import { speedSweep } from "../data/speed-sweep";
+import { MAX_RUNS } from "../data/run-selection";
+import { speedSweep, type SpeedSweep } from "../data/speed-sweep";
 import { t } from "../messages/messages";
+import { mergeOnCommonAxis } from "../plots/common-axis";
 import { Plot } from "../plots/plot";
+import type { Curve } from "../plots/plot-props";
 import type { Document, MachineState } from "../schemas/machines";
-import type { Phasors } from "../schemas/runs";
+import type { Phasors, Run } from "../schemas/runs";
 import { slowRollText } from "../words/slow-roll";
 
 const POLL_MS = 1500;
+const LIST_MS = 15_000;
+
+type Column = (number | null)[];
 
 export function LiveRunPanel({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
   const result = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, POLL_MS);
-  const { amplitude, speed } = useUnits();
+  const { query } = useStore(route);
+  const listed = useResource<Run[]>(run ? `/machines/${machine.id}/runs?limit=${MAX_RUNS}` : null, LIST_MS).data ?? [];
+  const earlier = listed.filter((one) => one.kind === run?.kind && one.id !== run.id && one.state !== "discarded" && one.samples !== 0);
+  const chosen = earlier.find((one) => String(one.id) === query.get("reference"));
+  const overlaid = useResource<Phasors>(chosen ? `/runs/${chosen.id}/phasors?slow_roll=in_force` : null).data;
+  const units = useUnits();
   if (!run) return null;
+  const { amplitude, speed } = units;
   const phasors = result.data;
   const sweep = phasors && speedSweep(phasors);
+  const aside = (
+    <>
+      {phasors && (
+        <p class="muted">
+          {chosen && t("overlaidRunLegend", { of: "" })} {slowRollOf(phasors)}
+        </p>
+      )}
+      {earlier.length > 0 && <OverlaySelect runs={earlier} chosen={chosen} />}
+    </>
+  );
   return (
-    <Panel title={t("runLive", { id: run.id })} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
+    <Panel title={t("runLive", { id: run.id })} class="live" aside={aside}>
       <StaleNotice result={result} />
       {sweep ? (
         <Plot
           label={t("amplitudeSoFar", { id: run.id })}
-          x={speedsInUnit(sweep.rpm, speed)}
           xUnit={speed.label}
           yUnit={amplitude.label}
-          curves={sweep.channels.map((channel, index) => ({ name: channel, y: inUnit(sweep.amplitude[index]!, amplitude), points: true }))}
+          {...curvesOf(sweep, overlaid && speedSweep(overlaid), units)}
           xRange={[machine.speed_range.minimum_rpm * speed.factor, machine.speed_range.maximum_rpm * speed.factor]}
           height={190}
         />
@@ -37,6 +61,22 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
       )}
     </Panel>
   );
+}
+
+/** The amplitudes of a run's channels, and behind them those of an overlaid one. */
+function curvesOf(sweep: SpeedSweep, overlaid: SpeedSweep | undefined, { amplitude, speed }: Units): { x: number[]; curves: Curve[] } {
+  const found = overlaid ? sweep.channels.map((channel) => overlaid.amplitude[overlaid.channels.indexOf(channel)] ?? []) : [];
+  const behind = { x: speedsInUnit(overlaid?.rpm ?? [], speed), columns: found.map((one) => inUnit(one, amplitude)) };
+  const measured = { x: speedsInUnit(sweep.rpm, speed), columns: sweep.amplitude.map((one) => inUnit(one, amplitude)) };
+  const { x, columns } = mergeOnCommonAxis([behind, measured]);
+  const [before, now] = columns as [Column[], Column[]];
+  return {
+    x,
+    curves: [
+      ...before.map((y, at): Curve => ({ name: t("overlaidRun", { channel: sweep.channels[at]! }), style: at, y, faint: true, points: true, line: false })),
+      ...now.map((y, style): Curve => ({ name: sweep.channels[style]!, style, y, points: true, spanGaps: true })),
+    ],
+  };
 }
 
 function slowRollOf({ slow_roll_version: version, slow_roll_left_out: leftOut }: Phasors): string {

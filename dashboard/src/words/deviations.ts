@@ -1,6 +1,6 @@
 // How far an element is from its baseline, in words.
 import { isCrossCoupled, isUnbalance, parameterName, quantityName } from "../format/names";
-import { number, percent, quantity } from "../format/numbers";
+import { number, percent, quantity, type ShownUnit } from "../format/numbers";
 import { t } from "../messages/messages";
 import type { Deviations, ElementSize, ParameterDeviation } from "../schemas/trends";
 
@@ -38,19 +38,19 @@ export function deviationText(one: ParameterDeviation): string {
   return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? t("ofDirectTerms") : ""} (${sigma})`;
 }
 
-const SIZE_UNITS: Record<string, string> = { um: "µm", urad: "µrad", "g mm": "g·mm", "N m": "N·m" };
+const SIZE_UNITS: Record<string, string> = { urad: "µrad", "g mm": "g·mm", "N m": "N·m" };
 
-/** What an element has changed by as a whole, as its alert says it; null where no diagnosis says that it has. */
-export function togetherText(deviations: Deviations, element: string): string | null {
+/** What an element has changed by as a whole, as its alert says it; null where no diagnosis says that it has. length: unit of lengths. */
+export function togetherText(deviations: Deviations, element: string, length: ShownUnit): string | null {
   const all = deviations.elements.find((one) => one.element === element)?.together ?? [];
   // What is told from what to what, such as a load that follows from the coefficients, is left to the alert.
   const together = all.some((one) => one.before === null) ? all.filter((one) => one.before === null) : all;
-  return together.length > 0 ? together.map(sizeText).join("; ") : null;
+  return together.length > 0 ? together.map((one) => sizeText(one, length)).join("; ") : null;
 }
 
-function sizeText({ name, unit, value, lower, upper, runs }: ElementSize): string {
-  const signed = (one: number) => `${one > 0 ? "+" : ""}${number(one, 2)}`;
-  const told = t("sizeWithInterval", { value: signed(value), unit: SIZE_UNITS[unit] ?? unit, lower: signed(lower), upper: signed(upper) });
+function sizeText({ name, unit, value, lower, upper, runs }: ElementSize, length: ShownUnit): string {
+  const signed = (one: number) => `${one > 0 ? "+" : ""}${number(unit === "um" ? one * length.factor : one, 2)}`;
+  const told = t("sizeWithInterval", { value: signed(value), unit: unit === "um" ? length.label : (SIZE_UNITS[unit] ?? unit), lower: signed(lower), upper: signed(upper) });
   const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: told }) : `${parameterName(name)} ${told}`;
   return runs !== null && runs > 1 ? t("meanOfNewestRuns", { size, runs }) : size;
 }

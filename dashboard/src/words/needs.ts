@@ -15,6 +15,7 @@ export function needs(one: FleetMachine): Need[] {
   const waits = one.unacknowledged > 0;
   const worst = (one.open_alerts.danger ?? 0) > 0 ? "danger" : (one.open_alerts.alert ?? 0) > 0 ? "alert" : null;
   if (worst && waits) add(worst === "danger" ? 6 : 5, t("judgeAlerts", { what: one.unacknowledged === 1 ? t("anAlert") : t("countedAlerts", { count: one.unacknowledged }) }));
+  if (one.vibration_beyond_danger) add(6, t("actOnVibration", { channel: one.vibration_beyond_danger.channel }));
   if (worst === "danger" && !waits) add(4, t("actOnADanger"));
   if (one.happened.refused > 0) add(3, t("mendItsDataSomeWere"));
   if (one.last_identification && !one.last_identification.accepted) add(2, t("lookAtARunThat"));

@@ -21,6 +21,9 @@ USUAL_VISCOSITY = (0.002, 0.2)
 LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
 """Lateral and angular stiffness of a coupling below which a warning asks whether the unit is right [N/m, N m/rad]."""
 
+SLOWEST_RANGE = 120.0
+"""End of a speed range below which a warning asks whether its speeds are in Hz: hardly any train is so slow [r/min]."""
+
 
 @dataclass(frozen=True)
 class DocumentWarning:
@@ -56,7 +59,27 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         if part.speed_dependence is not None
         for field, words in part.speed_dependence.warnings(speeds.minimum_rpm, speeds.maximum_rpm)
     )
-    return (*_light_materials(machine), *of_laws, *_odd_films(machine), *_far_elevations(machine), *_soft_couplings(machine))
+    return (
+        *_slow_speeds(machine),
+        *_light_materials(machine),
+        *of_laws,
+        *_odd_films(machine),
+        *_far_elevations(machine),
+        *_soft_couplings(machine),
+    )
+
+
+def _slow_speeds(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield speeds that are probably in Hz: a slow end of the speed range, a running speed below it."""
+    low, high = machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm
+    if high < SLOWEST_RANGE:
+        words = f"{high:g} r/min: trains usually reach 200 r/min and more; was {high:g} Hz meant, {60 * high:g} r/min?"
+        yield DocumentWarning("speed_range.maximum_rpm", words)
+    running = machine.operation.running_rpm
+    if running is not None and running < low:
+        meant = f"; was {running:g} Hz meant, {60 * running:g} r/min?" if low <= 60 * running <= high else ""
+        words = f"{running:g} r/min lies below the speed range, {low:g} to {high:g} r/min{meant}"
+        yield DocumentWarning("operation.running_rpm", words)
 
 
 def _far_elevations(machine: Machine) -> Iterator[DocumentWarning]:

@@ -61,7 +61,7 @@ class WordedAlerts:
 def _row_place(row: ListedAlert, texts: SiteTexts) -> Hashable:
     """Return what the JSON of an alert depends on; its evidence changes only together with its time of change."""
     return (
-        texts.language.code,
+        texts.language,
         *(tuple(one) if type(one) is list else one for name, one in row._mapping.items() if name != "evidence"),
     )
 

@@ -74,6 +74,14 @@ class FailedJob(BaseModel):
     error: str | None
 
 
+class BeyondDanger(BaseModel):
+    """The largest 1× of the newest sample, as measured, where it is beyond the document's danger limit."""
+
+    channel: str
+    amplitude_um_pp: float
+    danger_um_pp: float
+
+
 class FleetMachine(BaseModel):
     """A machine's row in the overview."""
 
@@ -92,6 +100,7 @@ class FleetMachine(BaseModel):
     unacknowledged: int = Field(description="open alerts that nobody has seen")
     first_alert: FirstAlert | None
     outside_speed_range: str | None = Field(description="why it has no run, where it turns outside of its speed range")
+    vibration_beyond_danger: BeyondDanger | None = Field(description="null while the machine's state is unknown")
     failed_job: FailedJob | None
     happened: Happened
 

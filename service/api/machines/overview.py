@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from estimator.machine.rules import SpeedRange
 from estimator.units import rad_per_s_to_rpm
 from service.alerts.lifecycle import Severity
-from service.api.conventions.values import time_or_none
+from service.api.conventions.values import MICROMETRES, time_or_none
 from service.api.machines.machine_state import progress, why_without_run
 from service.runs.collection_state import CollectionState
 from storage.clock import to_datetime
@@ -90,6 +90,7 @@ def _row(one: MachineGlance, standing: CollectionState | None) -> OverviewRow:
         "unacknowledged": one.unacknowledged,
         "first_alert": _first_alert(one.first_alert),
         "outside_speed_range": _without_run(one, standing),
+        "vibration_beyond_danger": _beyond_danger(one, standing),
         "failed_job": None if one.failed_job is None else {"id": one.failed_job.id, "error": one.failed_job.error},
         "happened": one.since,
     }
@@ -101,6 +102,17 @@ def _without_run(one: MachineGlance, standing: CollectionState | None) -> str | 
         return None
     limits = SpeedRange(minimum_rpm=minimum, maximum_rpm=maximum)
     return why_without_run(limits, standing, has_runs=one.last_run is not None)
+
+
+def _beyond_danger(one: MachineGlance, standing: CollectionState | None) -> OverviewRow | None:
+    level = None if standing is None else standing.beyond_danger
+    if standing is None or level is None or standing.operating.mode == "unknown" or standing.revision != one.machine.revision:
+        return None
+    return {
+        "channel": level.channel,
+        "amplitude_um_pp": level.amplitude / MICROMETRES,
+        "danger_um_pp": level.limit / MICROMETRES,
+    }
 
 
 def _open_run(one: MachineGlance, standing: CollectionState | None) -> OverviewRow | None:

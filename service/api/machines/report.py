@@ -44,7 +44,7 @@ def read_report(request: Request, machine_id: MachineId, period: Period, locale:
     language that Accept-Language asks for, else the site's.
     """
     moment = now()
-    language = reader_language(request) if locale is None else Language(locale)
+    language = Language(reader_language(request).code if locale is None else locale)  # in µm, as its plots are
     asked = asked_period(period.first, period.last, moment=moment)
     with database(request).reading() as session:
         machines.get(session, machine_id)

@@ -34,6 +34,15 @@ def test_texts_may_be_for_readers_of_one_language(tmp_path: Path) -> None:
     assert english.in_language(GERMAN).of("wear") == german.of("wear")
 
 
+def test_a_seal_has_texts_of_its_own(tmp_path: Path) -> None:
+    texts = read_texts(written(tmp_path, 'bearing: {check: ["Oil of {id}"]}\nseal: {confirm: ["Gauge 12"]}'))
+    shipped = finding_rule("bearing").texts_in(ENGLISH, "seal")
+    assert texts.of("bearing", "seal").check == shipped.check
+    assert texts.of("bearing", "seal").confirm == ("Gauge 12",)
+    assert texts.of("bearing", "bearing").check == ("Oil of {id}",)
+    assert texts.of("bearing", "bearing").confirm == finding_rule("bearing").texts_in(ENGLISH).confirm
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -51,6 +60,7 @@ def test_texts_may_be_for_readers_of_one_language(tmp_path: Path) -> None:
         ('de: {wear: {check: ["bei {sped}"]}}', r"de\.wear\.check\[0\]: \{sped\} is no place"),
         ("de: [wear]", "de: must have the kinds of findings below it"),
         ('de: {wear: {what: "Lager {id}"}}', r"de\.wear\.what: needs \{size\}"),
+        ('seal: {what: "Seal {id}"}', r"seal\.what: needs \{size\}, \{judgement\}"),
         ("- wear", "must have the kinds of findings at its top"),
         ("wear: [", "is neither YAML nor JSON"),
     ],

@@ -8,6 +8,7 @@ from service.wording.film_words import (
     undetermined_alignment,
     wear_words,
 )
+from service.wording.language import Language
 
 OFFSET = {
     "allowed_at_rpm": 3600.0,
@@ -30,6 +31,17 @@ def test_an_alarm_says_how_far_how_sure_and_what_is_allowed() -> None:
         "the angle is not determined; bearing B2 carries 7 % more, B3 6 % less; the same as bearing B3 80 µm lower"
     )
     assert undetermined_alignment(numbers) == ["the angle is not determined"]
+
+
+def test_lengths_are_told_in_mils_where_the_reader_asked_for_them() -> None:
+    mils = Language("en", "mil")
+    assert alignment_words(OFFSET | ANGLE | {"bearing.B3.vertical_um": -80.3}, mils) == (
+        "the driven shaft lies 4.7 ± 0.7 mil lower (allowed 1.97 mil at 3600 r/min); it rises more from the coupling on, by "
+        "90 ± 30 µrad (allowed 370 µrad); the horizontal angle is not determined; the same as bearing B3 3.16 mil lower"
+    )
+    wear = {"clearance_per_cent": 15.0, "clearance_error_per_cent": 1.0, "before_um": 69.0, "after_um": 79.0}
+    assert wear_words(wear, mils) == "15.0 ± 2.0 % larger, 3.11 mil in place of 2.72 mil"
+    assert settlement_words({"vertical_um": -60.0, "vertical_error_um": 0.2}, mils) == "2.362 ± 0.015 mil lower"
 
 
 def test_what_is_within_tolerance_has_changed() -> None:

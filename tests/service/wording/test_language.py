@@ -57,7 +57,7 @@ def test_a_finding_called_as_an_element_or_quantity_has_its_name() -> None:
 def test_what_a_language_lacks_is_said_in_english(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(SENTENCES, "de", {"decimal_mark": ","})
     assert GERMAN.translate("compared.mean", runs=3) == "mean of the newest 3 runs against the baseline"
-    assert GERMAN.translate("wear", grown="3", after=79.0, before=69.0) == "3 % larger, 79 µm in place of 69 µm"
+    assert GERMAN.translate("wear", grown="3", after="79 µm", before="69 µm") == "3 % larger, 79 µm in place of 69 µm"
     assert GERMAN.named("run_up") == "run-up"
     assert GERMAN.named("static_load") == "static force"
 
@@ -99,6 +99,30 @@ def test_quantities_of_parameters_have_german_names() -> None:
 )
 def test_the_language_is_the_one_that_is_asked_for(accepted: str, default: Language, found: str) -> None:
     assert asked_language(accepted, default).code == found
+
+
+@pytest.mark.parametrize(
+    ("accepted", "found"),
+    [
+        ("en-u-ms-ussystem", "mil"),
+        ("de-AT-u-ms-ussystem;q=0.9, fr", "mil"),
+        ("en-US", "µm"),
+        ("en-u-ms-metric", "µm"),
+        ("en-u-ussystem-ms", "µm"),
+        ("en, en-u-ms-ussystem;q=0.5", "µm"),
+        ("fr-u-ms-ussystem", "µm"),
+    ],
+)
+def test_a_language_tag_may_ask_for_mils(accepted: str, found: str) -> None:
+    assert asked_language(accepted, ENGLISH).length_unit == found
+
+
+def test_a_length_is_told_in_the_readers_unit() -> None:
+    assert (ENGLISH.length(79.0), Language("en", "mil").length(79.0), Language("de", "mil").length(79.0)) == (
+        "79 µm",
+        "3.11 mil",
+        "3,11 mil",
+    )
 
 
 def test_every_language_is_one_that_can_be_set() -> None:

@@ -25,6 +25,21 @@ def test_an_elevation_beyond_the_clearance_is_named(axis: str) -> None:
     ("change", "field", "words"),
     [
         (
+            lambda said: said["speed_range"].update(minimum_rpm=5, maximum_rpm=60),
+            "speed_range.maximum_rpm",
+            "60 r/min: trains usually reach 200 r/min and more; was 60 Hz meant, 3600 r/min?",
+        ),
+        (
+            lambda said: said.update(operation={"running_rpm": 50}),
+            "operation.running_rpm",
+            "50 r/min lies below the speed range, 686 to 4692 r/min; was 50 Hz meant, 3000 r/min?",
+        ),
+        (
+            lambda said: said.update(operation={"running_rpm": 650}),
+            "operation.running_rpm",
+            "650 r/min lies below the speed range, 686 to 4692 r/min",
+        ),
+        (
             lambda said: said["bearings"][1]["film"].update(radial_clearance=3.9e-4),
             "bearings[1].film.radial_clearance",
             "390 µm is 0.0097 of the radius, 0.04 m: usual is 0.001 to 0.002 of it",

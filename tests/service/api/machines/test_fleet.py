@@ -14,7 +14,7 @@ from storage.findings import jobs
 from storage.machines import machines
 from storage.tables.findings import JobRow
 from tests.api_in_process import Api, fields
-from tests.plant import START, arrived, batch, identification, machine, store_identification, sweep_rpm
+from tests.plant import CHANNELS, SECOND, START, arrived, batch, identification, machine, store_identification, sweep_rpm
 from tests.prompt_journal import PromptJournal
 
 
@@ -101,3 +101,36 @@ def test_what_happened_since(api: Api) -> None:
 def test_wrong_questions_are_refused(api: Api) -> None:
     assert fields(api.get("/fleet", since="yesterday")) == ["query.since"]
     assert fields(api.get("/fleet", limit=0)) == ["query.limit"]
+
+
+def test_a_vibration_beyond_its_danger_limit_is_told_until_a_sample_is_below_it(database: Database) -> None:
+    limits = {"running_rpm": 1500.0, "vibration_danger": 6e-5}
+    with database.transaction() as session:
+        machines.create(session, machine(operation=limits))
+    journal, told = PromptJournal(database, Collector()), Api(database)
+
+    def newest(number: int) -> Any:
+        since = f"2026-01-01T00:00:0{number}Z"  # an address of its own: kept answers may be half a second old
+        return told.value("/fleet", since=since)["machines"][0]["vibration_beyond_danger"]
+
+    def send(sequence: int, um_pp: float, status: str = "good") -> Any:
+        rpm = [1400.0, 1401.0]
+        amplitude = [[100.0] * len(CHANNELS) for _ in rpm]
+        amplitude[-1][1] = um_pp
+        marks = [["good"] * len(CHANNELS) for _ in rpm]
+        marks[-1][1] = status
+        sent = batch(rpm, sequence=sequence, start=START + 2 * sequence * SECOND, amplitude=amplitude, status=marks)
+        journal.store([arrived(sent)], [])
+        return newest(sequence)
+
+    assert send(0, 119.0) is None
+    assert send(1, 150.0) == {
+        "channel": CHANNELS[1],
+        "amplitude_um_pp": pytest.approx(150.0),
+        "danger_um_pp": pytest.approx(120.0),
+    }
+    assert send(2, 150.0, status="bad") is None, "a value that its source calls bad is none"
+    assert send(3, 150.0) is not None
+    with database.transaction() as session:
+        machines.revise(session, machine(operation=limits | {"vibration_danger": 9e-5}))
+    assert newest(4) is None, "its limit is another one now"
