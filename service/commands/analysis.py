@@ -262,7 +262,7 @@ def compare(
 
 def _compare_alignment(machine: Path, healthy: "Identification", files: list[Path], coupling: str, *, as_json: bool) -> None:
     """Print by how much a coupling's alignment, and the loads on all films, have changed."""
-    from estimator.diagnosis.alignment_comparison import compared_alignment
+    from estimator.alignment.alignment_comparison import compared_alignment
     from estimator.updated_model.model import model_at
     from service.commands.results.alignment_report import alignment_comparison_content
 

@@ -4,7 +4,6 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
-from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from service.reports.contents import ReportContents, ReportedFit
@@ -58,7 +57,7 @@ def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
 
 def _loaded(one: LoadChange, language: Language) -> tuple[str, ...]:
     said = describe(one.name)
-    change, half = _signed(one.value, CONFIDENCE_95 * one.error, language)
+    change, half = _signed(one.value, one.half, language)
     part = "–" if one.part is None else language.digits(f"{100.0 * one.part:+.0f} %")
     before = f"{rounded(one.before, 3, language)} N"
     return said.element_id, language.named(said.quantity), before, f"{change} N", f"{half} N", part

@@ -8,7 +8,7 @@ import pytest
 
 import rotorundown as rd
 from estimator.alignment.alignment_change import alignment_changes
-from estimator.diagnosis.alignment_comparison import AlignmentComparison
+from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.machine.alignment_rules import HealthyVariation
 from rotorundown.diagnosis import diagnose
 from rotorundown.result import Result

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from estimator.diagnosis.alignment_comparison import AlignmentComparison
-from estimator.fit.estimates import CONFIDENCE_95
+from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.updated_model.derived_quantities import Derived
 
 MICRO = 1e6
@@ -41,7 +40,7 @@ def alignment_comparison_content(found: AlignmentComparison) -> dict[str, Any]:
             "unit": "N",
             "before": one.before,
             "change": one.value,
-            "half_width": CONFIDENCE_95 * one.error,
+            "half_width": one.half,
             "change_per_cent": None if one.part is None else 100.0 * one.part,
         }
         for one in found.loads

@@ -7,7 +7,6 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
-from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.model import UpdatedModel
 
@@ -46,7 +45,7 @@ class AlignmentComparison:
             yield f"  {one.name:<{width}}  {f'not determined: {one.reason}' if one.value is None else _change(one)}"
         for load in self.loads:
             part = "" if load.part is None else f", {100.0 * load.part:+.0f} %"
-            half = CONFIDENCE_95 * load.error
+            half = load.half
             yield f"  {load.name:<{width}}  {_signed(load.value, half)} N of {load.before:.4g} N{part}"
 
 
