@@ -39,7 +39,11 @@ class AlignmentComparison:
         return f"the alignment of {self.coupling} has changed: {', '.join(moved)}"
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines of a table: offsets and angles, then loads, each with its 95 % interval."""
+        """List offsets and angles, then loads, each with its 95 % interval.
+
+        Returns:
+            The lines of the table.
+        """
         width = max(len(name) for name in (*(one.name for one in self.changes), *(one.name for one in self.loads)))
         for one in self.changes:
             yield f"  {one.name:<{width}}  {f'not determined: {one.reason}' if one.value is None else _change(one)}"

@@ -59,7 +59,7 @@ def compliant_couplings(names: tuple[str, ...], unit: Floats, found: Floats) -> 
 
     Args:
         names: Names of the n coordinates.
-        unit: Units (n,) of these.
+        unit: Units (n,) of these [SI, 1 for logarithms].
         found: Coordinates (k, n) that the fits of k runs have found, less the prior's centre [-].
 
     Returns:
