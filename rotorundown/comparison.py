@@ -1,13 +1,20 @@
-"""Compares later runs with a baseline: changed coefficients at a coupling, an equivalent load in it, or no change."""
+"""Compares later runs with a baseline: changed coefficients at a coupling, an equivalent load in it, or no change.
+
+On oil films it is the alignment in µm that has changed, and the bearings' loads with it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment
 from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.identification.model_comparison import ModelComparison, compare_misalignment
+from estimator.machine.document import Machine
+from estimator.machine.film_speeds import follows_films
 from estimator.phasors.measurement import joined
 from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.identification import identify
 from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result, require_result
 from rotorundown.runs import MachineRun
@@ -22,10 +29,10 @@ class CouplingComparison:
     """Verdict on a coupling.
 
     Attributes:
-        found: The compared models, the best first, with their criteria.
+        found: The compared models, the best first, with their criteria; on oil films the changes of alignment and loads.
     """
 
-    found: ModelComparison
+    found: ModelComparison | AlignmentComparison
 
     @property
     def verdict(self) -> str:
@@ -33,6 +40,8 @@ class CouplingComparison:
         return self.found.verdict
 
     def __str__(self) -> str:
+        if isinstance(self.found, AlignmentComparison):
+            return "\n".join([self.verdict, "", *self.found.lines()])
         lines = [
             f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
             for view in self.found.views
@@ -49,6 +58,8 @@ class CouplingComparison:
 def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupling: str) -> CouplingComparison:
     """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change.
 
+    Of a train on oil films it tells by how much offset, angle and the bearings' loads have changed.
+
     Args:
         baseline: Result of the healthy machine, accepted.
         runs: The later run, or several together.
@@ -58,7 +69,7 @@ def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupli
         The comparison.
 
     Raises:
-        NotComparable: The baseline is not accepted, or the machine has no such coupling.
+        NotComparable: The baseline, or on oil films the later run, is not accepted, or the machine has no such coupling.
         NotIdentified: The baseline is no result of `identify`.
     """
     require_result(baseline, "the baseline")
@@ -71,8 +82,18 @@ def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupli
     if not baseline.accepted:
         raise NotComparable(f"the baseline is not accepted: {baseline.verdict}")
     several = [runs] if isinstance(runs, MachineRun) else list(runs)
+    if follows_films(machine):
+        return CouplingComparison(_on_films(machine, baseline, several, coupling))
     measurement = joined([run.measurement for run in several])
     with one_blas_thread():
         return CouplingComparison(
             compare_misalignment(machine, measurement, baseline=baseline.identification, coupling=coupling)
         )
+
+
+def _on_films(machine: Machine, baseline: Result, runs: Sequence[MachineRun], coupling: str) -> AlignmentComparison:
+    """Return the changes of alignment and loads of a train on oil films. Raises NotComparable."""
+    later = identify(machine, runs)
+    if not later.accepted:
+        raise NotComparable(f"the later run is not accepted: {later.verdict}")
+    return compared_alignment([baseline.model.updated], later.model.updated, coupling)

@@ -7,7 +7,7 @@ from estimator.alignment.healthy_films import learnt_variation
 from estimator.diagnosis.alignment_size import MISALIGNMENT, alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.film_reference import film_observation
-from estimator.diagnosis.finding_kind import Cause, ChangeSize
+from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, observation_of, observed_fit
 from estimator.diagnosis.run_windows import RunWindows
@@ -15,6 +15,7 @@ from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
+from estimator.machine.parameter_description import describe
 from estimator.updated_model.model import UpdatedModel, model_at
 from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result, require_result
@@ -55,11 +56,21 @@ class CausesFound:
 
 
 def _size_text(size: ChangeSize) -> str:
-    """Return a size in words: per cent of the baseline, else the figure that takes most of what is allowed."""
+    """Return a size in words: per cent of the baseline, else the figure that takes most of what is allowed, and loads."""
     if size.per_cent is not None:
         return f"{size.per_cent:.0f} %, "
-    first = next(iter(size.parts), None)
-    return "" if first is None else f"{first.name} {first.value:.3g} ± {(first.upper - first.lower) / 2:.2g} {first.unit}, "
+    loads = [one for one in size.parts[1:] if describe(one.name).element_kind == "bearing"]
+    return "".join(f"{_figure(one)}{_part_of_load(one, size)}, " for one in (*size.parts[:1], *loads))
+
+
+def _figure(one: SizePart) -> str:
+    return f"{one.name} {one.value:.3g} ± {(one.upper - one.lower) / 2:.2g} {one.unit}"
+
+
+def _part_of_load(one: SizePart, size: ChangeSize) -> str:
+    """Return by how much more or less a bearing carries, where the figure is a load and that is known; nothing else."""
+    part = size.quantities.get(f"{one.name.removesuffix('_vertical')}_per_cent")
+    return "" if part is None else f" ({part:+.0f} %)"
 
 
 def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_agree: int = 1) -> CausesFound:

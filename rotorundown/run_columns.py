@@ -12,6 +12,8 @@ SPEED_COLUMNS = ("speed", "speed_rpm", "rpm")
 TIME_COLUMNS = ("time", "time_s")
 AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
 PHASE_ENDS = ("_phase", "_lag_deg")
+GAP_END = "_gap_um"
+"""End of the names of columns of mean gaps [µm], as the probes' `gap_grows` of the document says that they grow."""
 TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
 """Kinds of columns and of a frame's index that hold dates or durations, and how numpy has them."""
 
@@ -45,7 +47,7 @@ def known_name(name: str) -> str:
     small = plain.lower()
     if small in (*SPEED_COLUMNS, *TIME_COLUMNS):
         return small
-    end = next((one for one in (*AMPLITUDE_ENDS, *PHASE_ENDS) if small.endswith(one)), "")
+    end = next((one for one in (*AMPLITUDE_ENDS, *PHASE_ENDS, GAP_END) if small.endswith(one)), "")
     return plain[: len(plain) - len(end)] + end
 
 

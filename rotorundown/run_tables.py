@@ -26,6 +26,7 @@ from formats.recordings.phase_units import contradicted_phase_unit, is_possible_
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
     AMPLITUDE_ENDS,
+    GAP_END,
     PHASE_ENDS,
     SPEED_COLUMNS,
     TIME_COLUMNS,
@@ -114,6 +115,7 @@ class RunTable(Struct, frozen=True, eq=False):
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
         _require_amplitude_unit(amplitude, units.amplitude)
         doubts = _phase_doubts(phase, units)
+        gap = self._gaps(channels)
         seconds = np.arange(speed.size, dtype=float) if self.time is None else _seconds(self.time)
         batch = SampleBatch(
             schema=WIRE_SCHEMA,
@@ -133,6 +135,8 @@ class RunTable(Struct, frozen=True, eq=False):
             speed=speed.tolist(),
             amplitude=_blank(amplitude),
             phase=_blank(phase),
+            gap=None if gap is None else _blank(gap),
+            gap_unit=None if gap is None else "um",
         )
         samples, taken, faults = to_samples(batch, machine, received_at=now())
         doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
@@ -142,10 +146,20 @@ class RunTable(Struct, frozen=True, eq=False):
             raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")
         return samples.pick(taken), left_out
 
+    def _gaps(self, channels: Sequence[str]) -> Floats | None:
+        """Return the gaps (S, m) [µm] of channels, NaN where there are none; None where no column holds any."""
+        names = [f"{one}{GAP_END}" for one in channels]
+        if not any(one in self.columns for one in names):
+            return None
+        none = np.full(next(iter(self.columns.values())).size, np.nan)
+        return np.column_stack([self.columns.get(one, none) for one in names])
+
     def _foreign(self, machine: Machine, name: str) -> Iterator[str]:
-        """Name the columns of amplitudes that are of no channel of the machine, and those of phases without amplitudes."""
+        """Name columns of amplitudes and gaps of no channel, gaps under other names, and phases without amplitudes."""
         for column in self.columns:
-            end = next((one for one in AMPLITUDE_ENDS if column.endswith(one)), None)
+            if (of := _other_gap(column, machine)) is not None:
+                yield f"{name}, column '{column}' left out: give gaps in µm, in a column '{of}{GAP_END}'"
+            end = next((one for one in (*AMPLITUDE_ENDS, GAP_END) if column.endswith(one)), None)
             channel = "" if end is None else column.removesuffix(end)
             if channel and channel not in machine.channels:
                 close = did_you_mean(channel, machine.channels)
@@ -166,6 +180,12 @@ class RunTable(Struct, frozen=True, eq=False):
         if len(found) > 1:
             raise WrongRun(f"columns {' and '.join(map(repr, found))} hold {what}: which one counts?")
         return found[0]
+
+
+def _other_gap(column: str, machine: Machine) -> str | None:
+    """Return the channel whose gap a column seems to hold under another name, such as `B1L_gap` or `B1L_gap_V`."""
+    seemingly = (one for one in machine.channels if column.lower().startswith(f"{one.lower()}_gap"))
+    return next((one for one in seemingly if column != f"{one}{GAP_END}"), None)
 
 
 def read_csv_table(path: Path) -> RunTable:

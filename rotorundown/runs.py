@@ -126,7 +126,8 @@ def read_run(
 
     Without a sidecar the units are those given here, and a table needs a column `speed` (or `speed_rpm`, `rpm`), where known
     `time` (or `time_s`) [s], and for each channel such as `B1L` the columns `B1L_amplitude` and `B1L_phase` (or `B1L_um_pp`
-    and `B1L_lag_deg`, as `rundown sample` writes them). Without times the rate of the sweep is not judged.
+    and `B1L_lag_deg`, as `rundown sample` writes them). A column `B1L_gap_um` holds the probe's mean gap [µm], which grows as
+    `gap_grows` of the document says. Without times the rate of the sweep is not judged.
 
     Args:
         source: Path of a CSV file, whose sidecar is used where one stands beside it; or a data frame, or a mapping of columns.

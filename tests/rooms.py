@@ -151,10 +151,10 @@ service/api: rotorundown/environment service/advice service/api/alerts service/a
     service/resilience service/security storage/database storage/tables
 service/doctor: formats/wire service/api service/configuration service/delivery service/maintenance service/messaging
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
-service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
-    estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: estimator estimator/balancing estimator/calibration estimator/fit estimator/identification
-    estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
+service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
+    estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
+service/commands: estimator estimator/alignment estimator/balancing estimator/calibration estimator/fit
+    estimator/identification estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
     estimator/updated_model formats/files formats/recordings formats/wire rotorundown rotorundown/environment
     service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
     service/delivery service/doctor service/edge service/export service/http service/identification service/ingest

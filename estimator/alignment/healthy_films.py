@@ -2,7 +2,7 @@
 
 From run to run, films' stiffness and damping scatter by some per cent, the oil is warmer or colder for all films together,
 each bearing moves by a micrometre, and the power is not quite the same, which process forces follow. How
-much is learnt from a baseline: variance components by expectation and maximisation (Laird and Ware, Biometrics 38 (1982) 963,
+much is learnt from a baseline: variance components of a linear mixed model (Laird and Ware, Biometrics 38 (1982) 963,
 doi:10.2307/2529876), with what is stated as a prior that counts as much as ten runs.
 """
 
@@ -32,8 +32,11 @@ VISCOSITIES = ("viscosity", "viscosity_factor")
 """Numbers of films that follow the oil's temperature."""
 KNOWN_RUNS = 10
 """Weight of the stated values, as a number of runs."""
+ALIKE = ("unbalance",)
+"""Numbers whose quantities vary alike and are seen in each run, so that each component of one run counts as a run: stiffness
+and damping of films, couplings and pedestals are not, and what a baseline shows of all says little of each."""
 STEPS = 6
-"""Steps of expectation and maximisation: with a prior of ten runs each takes most of the way that is left."""
+"""Steps in which the numbers are found: each takes most of the way that is left."""
 KNOWN_OIL = 2.0
 """Standard deviation of the season's viscosity where the oil's temperature is measured, over that from run to run [-]."""
 
@@ -161,27 +164,30 @@ def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
         seen = [one.marginalised(ways * spread**2 @ ways.T) for one in runs]
         common = np.linalg.inv(sum((one.information for one in seen), coordinates.prior.precision))
         machine = common @ sum((one.vector for one in seen), np.zeros(coordinates.size))
-        squares = np.zeros(spread.size)
+        squares, told = np.zeros(spread.size), np.zeros(spread.size)
         for one in seen:
-            drawn = spread**2 * (ways.T @ (one.vector - one.information @ machine))
-            along = ways * spread**2
-            left = np.sum(along * ((one.information - one.information @ common @ one.information) @ along), axis=0)
-            squares += drawn**2 + spread**2 - left
-        variation = _shrunk(stated, numbers, sizes, squares / len(runs), count=len(runs))
+            along = ways * spread
+            squares += (spread * (along.T @ (one.vector - one.information @ machine))) ** 2
+            told += np.sum(along * ((one.information - one.information @ common @ one.information) @ along), axis=0)
+        variation = _shrunk(stated, numbers, sizes, squares, told)
     return variation
 
 
 def _shrunk(
-    stated: HealthyVariation, numbers: Sequence[str | None], sizes: Floats, squares: Floats, *, count: int
+    stated: HealthyVariation, numbers: Sequence[str | None], sizes: Floats, squares: Floats, told: Floats
 ) -> HealthyVariation:
-    """Return the stated numbers moved towards the mean squares of what followed them in some runs."""
+    """Return the stated numbers moved towards what some runs show (MacKay, Neural Comput. 4 (1992) 415, eq. 2.16).
+
+    squares: sums, over the runs, of the squares of what followed each. told: how many of these values the runs determine.
+    """
     update = {}
     for number in dict.fromkeys(one for one in numbers if one is not None):
         own = np.array([one == number and size > 0.0 for one, size in zip(numbers, sizes, strict=True)])
         before = getattr(stated, number)
         if own.any() and before > 0.0:
-            shown = float(np.mean(squares[own] / sizes[own] ** 2))
-            update[number] = float(np.sqrt((KNOWN_RUNS * before**2 + count * shown) / (KNOWN_RUNS + count)))
+            known = KNOWN_RUNS * (1.0 if number in ALIKE else float(np.count_nonzero(own)))
+            shown, count = float(np.sum(squares[own] / sizes[own] ** 2)), float(np.sum(told[own]))
+            update[number] = float(np.sqrt((known * before**2 + shown) / (known + count)))
     return stated.model_copy(update=update)
 
 

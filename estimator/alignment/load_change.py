@@ -11,6 +11,7 @@ import numpy as np
 
 from estimator.alignment.freed_coordinates import NamedCause
 from estimator.alignment.run_change import RunChange, run_change
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
@@ -44,6 +45,11 @@ class LoadChange:
     error: float
     before: float
     carried: float
+
+    @property
+    def half(self) -> float:
+        """Return the half width of the 95 % interval [N]."""
+        return CONFIDENCE_95 * self.error
 
     @property
     def part(self) -> float | None:

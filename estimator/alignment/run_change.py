@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.alignment.compliant_couplings import compliant_couplings
 from estimator.alignment.freed_coordinates import NamedCause, freed_directions
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation
 from estimator.alignment.run_likelihood import RunLikelihood, run_likelihood
@@ -87,7 +88,12 @@ def run_change(
     chosen = learnt_variation(baseline) if variation is None else variation
     scales = coordinate_scales(coordinates, later.values)
     varying = scales.between_runs(chosen)
-    before = [run_likelihood(one).marginalised(varying) for one in baseline]
+    found_at = np.array([coordinates.theta(one.values) - coordinates.centre for one in (*baseline, later)])
+    couplings = compliant_couplings(coordinates.names, coordinates.unit, found_at)
+    *before, own = (
+        couplings.likelihood(run_likelihood(one), at) for one, at in zip((*baseline, later), found_at, strict=True)
+    )
+    before = [one.marginalised(varying) for one in before]
     lasting = np.column_stack(
         [np.eye(coordinates.size)[:, moving] * coordinates.spread[moving], freed_directions(coordinates, causes)]
     )
@@ -95,7 +101,7 @@ def run_change(
     def in_season(season: HealthyVariation) -> RunChange:
         covariance = scales.over_seasons(season)
         covariance[moving], covariance[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
-        return _estimated(before, later, coordinates, np.column_stack([lasting, _columns(varying + covariance)]))
+        return _estimated(before, own, later, coordinates, np.column_stack([lasting, _columns(varying + covariance)]))
 
     found = in_season(chosen)
     if not scales.oil.any():
@@ -105,13 +111,15 @@ def run_change(
     return in_season(season_of_run(chosen, baseline, later, shift=shift, error=error))
 
 
-def _estimated(before: Sequence[RunLikelihood], later: UpdatedModel, coordinates: Coordinates, ways: Floats) -> RunChange:
+def _estimated(
+    before: Sequence[RunLikelihood], own: RunLikelihood, later: UpdatedModel, coordinates: Coordinates, ways: Floats
+) -> RunChange:
     """Estimate the machine and the change of a later run together.
 
-    before: likelihoods of the machine by the baseline's runs. ways: directions (n, w) of the change, each as long as its
-    standard deviation.
+    before: likelihoods of the machine by the baseline's runs. own: that of the later run. ways: directions (n, w) of the
+    change, each as long as its standard deviation.
     """
-    size, own = coordinates.size, run_likelihood(later)
+    size = coordinates.size
     information = np.eye(size + ways.shape[1])
     information[:size, :size] = sum((one.information for one in before), own.information) + coordinates.prior.precision
     information[:size, size:], information[size:, :size] = own.information @ ways, ways.T @ own.information

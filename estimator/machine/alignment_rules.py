@@ -69,7 +69,8 @@ class AlignmentTarget(Part):
 class HealthyVariation(Part):
     """Variation of a healthy machine on oil films, as standard deviations.
 
-    Those from run to run are learnt from the baseline, from these on, which count as much as ten runs.
+    Those from run to run are learnt from the baseline, from these on, which count as much as ten runs; that of unbalances as
+    much as ten components of one run.
     """
 
     stiffness: Spread = Field(default=0.01, description="of each stiffness from run to run, relative [-]")

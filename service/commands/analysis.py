@@ -226,10 +226,14 @@ def compare(
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
     as_json: JsonOption = False,
 ) -> None:
-    """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
+    """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change.
+
+    Where the bearings are described by their oil films: by how much the coupling's alignment and their loads have changed.
+    """
     import threadpoolctl
 
     from estimator.identification.model_comparison import compare_misalignment
+    from estimator.machine.film_speeds import follows_films
     from formats.files.document_files import UnreadableFile
     from formats.recordings.recorded_runs import read_measurement
     from formats.wire import Rejected
@@ -239,18 +243,38 @@ def compare(
     described, _, healthy = identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")
+    if coupling not in (known := [one.id for one in described.couplings]):
+        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(known)}")
+    if follows_films(described):
+        _compare_alignment(machine, healthy, files, coupling, as_json=as_json)
+        return
     try:
         measurement, _ = read_measurement(described, files)
         with threadpoolctl.threadpool_limits(1), working("comparing models"):
             found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
-    except KeyError:
-        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
     if as_json:
         print_json(comparison_content(found))
     else:
         print_text(comparison_text(found))
+
+
+def _compare_alignment(machine: Path, healthy: "Identification", files: list[Path], coupling: str, *, as_json: bool) -> None:
+    """Print by how much a coupling's alignment, and the loads on all films, have changed."""
+    from estimator.alignment.alignment_comparison import compared_alignment
+    from estimator.updated_model.model import model_at
+    from service.commands.results.alignment_report import alignment_comparison_content
+
+    described, _, later = identified(machine, files, None)
+    if not later.accepted:
+        fail(f"{', '.join(map(str, files))}: {later.verdict}")
+    before, after = (model_at(described, one.coordinates, one.point, one.covariance) for one in (healthy, later))
+    found = compared_alignment([before], after, coupling)
+    if as_json:
+        print_json(alignment_comparison_content(found))
+    else:
+        print_text("\n".join([found.verdict, "", *found.lines()]))
 
 
 def show_slow_roll(

@@ -8,15 +8,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from estimator.alignment.alignment_change import alignment_changes
-from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
 from estimator.machine.film_speeds import follows_films
-from estimator.machine.parameter_description import describe
 from estimator.machine.train_layout import shaft_begins
 from estimator.phasors.probe_axes import probe_stations
 from estimator.units import RAD_PER_S
 from estimator.updated_model.balancing import balance
 from service.identification.stored_model import Identified
+from service.reports.alignment_page import alignment_page
 from service.reports.centreline_figure import centreline_figure, journal_paths
 from service.reports.contents import ReportContents, ReportedFit
 from service.reports.orbit_figure import orbit_figure
@@ -24,9 +22,7 @@ from service.reports.page_parts import captioned, figures, muted, section, shown
 from service.reports.response_curves import MICROMETRES_PP, measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
-from service.wording.film_words import shown
 from service.wording.finding_words import rounded
-from service.wording.language import Language
 from service.wording.parameter_words import parameter_words
 from service.wording.stored_sentences import in_language
 
@@ -35,7 +31,6 @@ logger = logging.getLogger(__name__)
 MOST_CHANNELS = 12
 """Channels that are drawn: those nearest to what has an alert first."""
 BALANCE_SPEEDS = 20
-MICRO = 1e6
 MILLIMETRES_GRAM = 1e6
 """g mm in a kg m."""
 
@@ -50,7 +45,7 @@ def result_pages(contents: ReportContents) -> str:
             (translate("report.responses"), _responses),
             (translate("report.orbits"), _orbits),
             (translate("report.centreline"), _centrelines),
-            (translate("report.alignment"), _alignment),
+            (translate("report.alignment"), alignment_page),
             (translate("report.balance"), _balance),
         )
         parts += [section(title, _render(title, part, contents, fit)) for title, part in with_fit]
@@ -140,35 +135,6 @@ def _centrelines(contents: ReportContents, fit: ReportedFit) -> str:
     language = contents.language
     drawn = "".join(captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends, language)) for one in paths)
     return figures(language.translate("report.centreline_key_compared" if first else "report.centreline_key"), drawn)
-
-
-def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
-    if not fit.one.machine.couplings:
-        return ""
-    if not follows_films(fit.one.machine):
-        return muted(contents.language.translate("report.no_offsets"))
-    if not fit.baseline:
-        return muted(contents.language.translate("report.not_compared", reason=in_language(fit.missing, contents.language)))
-    models = [one.model for one in fit.baseline]
-    if any(one.coordinates != fit.one.model.coordinates for one in models):
-        return muted(contents.language.translate("report.other_unknowns"))
-    changes = tolerated_changes(fit.one.machine, alignment_changes(models, fit.one.model, causes=fit.causes))
-    columns = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
-    heads = [contents.language.translate(f"report.{one}") for one in columns]
-    return table(heads, [_aligned(one, contents.language) for one in changes]) if changes else ""
-
-
-def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
-    said = describe(one.name)
-    unit = f"µ{one.unit}"
-    allowed = f"{rounded(MICRO * one.allowed, 2, language)} {unit}"
-    quantity = language.named(said.quantity)
-    if one.value is None:
-        missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
-        return said.element_id, quantity, missing, "–", allowed, "–"
-    change, half = shown(MICRO * one.value, MICRO * one.half, language).split(" ± ")
-    change = f"+{change}" if one.value > 0.0 else change
-    return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
 
 
 def _balance(contents: ReportContents, fit: ReportedFit) -> str:

@@ -264,6 +264,9 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.other_unknowns": "Der Referenzzustand wurde mit anderen Unbekannten identifiziert: seine Läufe erneut "
     "identifizieren.",
     "report.coupling": "Kupplung",
+    "report.bearing": "Lager",
+    "report.load_before": "Last im Referenzzustand",
+    "report.load_part": "Anteil daran",
     "report.quantity": "Größe",
     "report.change": "Änderung gegen den Referenzzustand",
     "report.half_width": "95 % ±",

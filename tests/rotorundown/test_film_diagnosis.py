@@ -1,16 +1,20 @@
 """Diagnosis of a train on oil films with the library: the same figures as `alignment_changes`, beside a worn bearing too."""
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
+import rotorundown as rd
 from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.machine.alignment_rules import HealthyVariation
 from rotorundown.diagnosis import diagnose
 from rotorundown.result import Result
 from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
 from tests.estimator.diagnosis.test_film_reference import effects
+from tests.paths import ROOT
 from tests.plant import identification
 
 BASELINE = 5
@@ -46,3 +50,24 @@ def test_an_offset_beside_a_worn_bearing_is_told_in_micrometres() -> None:
     vertical, *_ = alignment_changes(models[:-1], models[-1], causes=[("wear", "bearing.B2")])
     assert told["offset_vertical_um"] == pytest.approx(1e6 * vertical.value, rel=1e-6)
     assert "misalignment at coupling.C1: coupling.C1.offset_vertical -1" in str(found)
+    share = told["bearing.B2.load_per_cent"]
+    assert f"({share:+.0f} %)" in str(found), "what the bearings carry is told with the same part"
+
+
+def test_a_coupling_on_films_is_compared_in_micrometres_with_the_loads() -> None:
+    """Real fits of simulated runs; the loads of the bearings beside the coupling change places."""
+    machine = rd.read_machine(ROOT / "examples/motor-compressor.yaml")
+    before = rd.identify(machine, rd.simulate(machine))
+    found = rd.compare(before, rd.simulate(machine, story="misalignment", run_seed=2), coupling="C1")
+    told = found.found
+    assert isinstance(told, AlignmentComparison)
+    assert found.verdict.startswith("the alignment of C1 has changed: offset_vertical by -")
+    assert found.verdict in str(found)
+    vertical = {one.name: one for one in told.loads if one.name.endswith("load_vertical")}
+    parts = [vertical[f"bearing.{bearing}.load_vertical"].part or 0.0 for bearing in ("B2", "B3")]
+    assert parts[0] > 0.05
+    assert parts[1] < -0.05
+    assert re.search(rf"bearing.B2.load_vertical .* N, [+]{100.0 * parts[0]:.0f} %$", str(found), re.MULTILINE)
+    assert "allowed" in str(found)
+    same = rd.compare(before, before.runs[0], coupling="C1")
+    assert same.verdict == "no change of the alignment of C1 is certain"

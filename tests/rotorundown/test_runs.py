@@ -36,6 +36,24 @@ def test_a_mapping_and_a_data_frame_hold_the_same_run(pump: Machine, run: rd.Mac
     same(rd.read_run(run.to_frame(), machine=pump), run)
 
 
+def test_gaps_of_a_data_frame_are_the_shafts_places(pump: Machine, run: rd.MachineRun) -> None:
+    probes = tuple(one.model_copy(update={"gap_grows": "away"}) for one in pump.probes)
+    machine = pump.model_copy(update={"probes": probes})
+    first, second = run.channels[:2]
+    gap = np.linspace(400.0, 430.0, len(run))
+    frame = pandas.DataFrame(table(run) | {f"{first}_GAP_UM": gap, f"{second}_gap": gap})
+    read = rd.read_run(frame, machine=machine)
+    assert read.measurement.gaps is not None
+    np.testing.assert_allclose(read.measurement.gaps.place[:, 0], -1e-6 * gap)
+    assert not np.isfinite(read.measurement.gaps.place[:, 1:]).any()
+    assert read.left_out == (f"run, column '{second}_gap' left out: give gaps in µm, in a column '{second}_gap_um'",)
+    undescribed = rd.read_run(frame, machine=pump)
+    assert undescribed.measurement.gaps is None
+    assert any("gaps need the document's `gap_grows`" in one for one in undescribed.left_out)
+    elsewhere = rd.read_run(table(run) | {"P99_gap_um": gap}, machine=machine)
+    assert any("'P99' is no channel" in one for one in elsewhere.left_out)
+
+
 def test_units_are_converted(pump: Machine, run: rd.MachineRun) -> None:
     columns = table(run)
     columns["speed"] = columns["speed"] / 60

@@ -1,7 +1,9 @@
 """Reports the alignment of couplings on a terminal, in µm and µrad with 95 % intervals."""
 
 from collections.abc import Sequence
+from typing import Any
 
+from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.updated_model.derived_quantities import Derived
 
 MICRO = 1e6
@@ -16,6 +18,34 @@ def alignment_text(quantities: Sequence[Derived]) -> str:
     return "\n".join(
         ["", f"Alignment, {SIGNS}; 95 % intervals", *(f"{one.name:<{width}}  {_value(one)}" for one in quantities)]
     )
+
+
+def alignment_comparison_content(found: AlignmentComparison) -> dict[str, Any]:
+    """Return the verdict, the changes with what is allowed, and those of the loads, in SI units."""
+    changes = [
+        {
+            "name": one.name,
+            "unit": one.unit,
+            "change": one.value,
+            "half_width": None if one.value is None else one.half,
+            "allowed": one.allowed,
+            "beyond": None if one.value is None else one.beyond,
+            "reason": one.reason,
+        }
+        for one in found.changes
+    ]
+    loads = [
+        {
+            "name": one.name,
+            "unit": "N",
+            "before": one.before,
+            "change": one.value,
+            "half_width": one.half,
+            "change_per_cent": None if one.part is None else 100.0 * one.part,
+        }
+        for one in found.loads
+    ]
+    return {"coupling": found.coupling, "verdict": found.verdict, "changes": changes, "loads": loads}
 
 
 def _value(one: Derived) -> str:

@@ -37,6 +37,14 @@ def test_a_machine_that_varies_more_is_learnt_in_part() -> None:
     assert few.slow_oil == STATED.slow_oil
 
 
+def test_unbalances_that_stay_are_learnt_faster_than_films() -> None:
+    """Each run shows all of their components: six runs take most of the way, where films take a third of it."""
+    true = STATED.model_copy(update={"unbalance": 0.005, "stiffness": 0.002})
+    found = baseline(true, runs=6)
+    assert true.unbalance < found.unbalance < 0.55 * STATED.unbalance
+    assert found.stiffness > 0.75 * STATED.stiffness
+
+
 def test_what_is_stated_as_nothing_stays_nothing() -> None:
     rng = np.random.default_rng(1)
     still = HealthyVariation.model_validate(dict.fromkeys(HealthyVariation.model_fields, 0.0))

@@ -62,6 +62,14 @@ def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportCon
     (alert,) = sunken.open_alerts
     assert alert.last.advice is not None
     assert all(one.words in page for one in alert.last.advice.how_far)
+    carried = re.findall(r"(B\d) carries (\d+) % (more|less)|, (B\d) (\d+) % (more|less)", page)
+    assert carried
+    for first in carried:
+        bearing, part, which = first[:3] if first[0] else first[3:]
+        told = f"{'+' if which == 'more' else '-'}{part} %"
+        assert re.search(
+            rf"<tr><td>{bearing}</td><td>load vertical</td>(<td>[^<]*</td>){{3}}<td>{re.escape(told)}</td></tr>", page
+        )
     assert "cannot be computed" not in page
     assert "No correction is proposed: mend C1 first" in page
 

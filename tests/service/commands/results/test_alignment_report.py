@@ -5,12 +5,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
 from typer.testing import CliRunner
 
+from estimator.alignment.alignment_comparison import AlignmentComparison
+from estimator.alignment.load_change import LoadChange
+from estimator.alignment.tolerance import ToleratedChange
 from estimator.updated_model.derived_quantities import Derived
 from service.commands.app import app
-from service.commands.results.alignment_report import alignment_text
+from service.commands.results.alignment_report import alignment_comparison_content, alignment_text
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.misalignment import moved
 from tests.film_plant.plants import Priors, motor_compressor_plant
@@ -27,6 +31,29 @@ def test_offsets_are_told_in_micrometres_with_their_interval_and_reasons_where_t
     assert "up and along +x are positive" in heading
     assert first == "coupling.C1.offset_vertical  -83.2 µm (-151 to -15.4)"
     assert second == "coupling.C1.angle_vertical   not determined: the prior alone"
+
+
+def test_a_comparison_tells_what_has_moved_and_which_loads_in_words_and_as_json() -> None:
+    moved_by = ToleratedChange("coupling.C1.offset_vertical", "m", -118e-6, 18e-6, 50e-6, 0.999)
+    unknown = ToleratedChange("coupling.C1.angle_vertical", "rad", None, 0.0, 400e-6, 0.0, "the prior alone")
+    load = LoadChange("bearing.B2.load_vertical", value=420.0, error=30.0, before=6000.0, carried=6010.0)
+    across = LoadChange("bearing.B2.load_horizontal", value=-0.2, error=10.0, before=50.0, carried=6010.0)
+    found = AlignmentComparison("C1", (moved_by, unknown), (load, across))
+    change = "-118 ± 18 µm (50 µm allowed, chance of more 100 %)"
+    assert found.verdict == f"the alignment of C1 has changed: offset_vertical by {change}"
+    assert list(found.lines()) == [
+        f"  coupling.C1.offset_vertical  {change}",
+        "  coupling.C1.angle_vertical   not determined: the prior alone",
+        "  bearing.B2.load_vertical     +420 ± 59 N of 6000 N, +7 %",
+        "  bearing.B2.load_horizontal   +0 ± 20 N of 50 N",
+    ]
+    said = alignment_comparison_content(found)
+    assert said["changes"][1]["change"] is None
+    assert said["loads"][0]["change_per_cent"] == pytest.approx(7.0)
+    assert said["loads"][1]["change_per_cent"] is None
+    still = AlignmentComparison("C1", (replace(moved_by, value=10e-6), unknown), ())
+    assert still.verdict == "no change of the alignment of C1 is certain"
+    assert AlignmentComparison("C1", (unknown,), ()).verdict == "the run does not determine the alignment of C1"
 
 
 def test_machines_without_films_have_no_such_lines() -> None:

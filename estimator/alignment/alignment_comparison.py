@@ -1,0 +1,86 @@
+"""Comparison of a later run with a baseline on oil films: how far the alignment has moved, and which loads."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from estimator.alignment.alignment_change import changed_alignment
+from estimator.alignment.load_change import LoadChange, changed_loads
+from estimator.alignment.run_change import run_change
+from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.machine.parameter_description import describe
+from estimator.updated_model.model import UpdatedModel
+
+MICRO = 1e6
+
+
+@dataclass(frozen=True)
+class AlignmentComparison:
+    """Changes since a baseline, as API, alert and report tell them.
+
+    Attributes:
+        coupling: Id of the coupling.
+        changes: Changes of its offsets [m] and angles [rad], with what is allowed.
+        loads: Changes of the loads on all bearings' films [N].
+    """
+
+    coupling: str
+    changes: tuple[ToleratedChange, ...]
+    loads: tuple[LoadChange, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Return which offsets and angles have changed for certain, in words."""
+        known = [one for one in self.changes if one.value is not None]
+        if not known:
+            return f"the run does not determine the alignment of {self.coupling}"
+        moved = [f"{describe(one.name).quantity} by {_change(one)}" for one in known if abs(one.value or 0.0) > one.half]
+        if not moved:
+            return f"no change of the alignment of {self.coupling} is certain"
+        return f"the alignment of {self.coupling} has changed: {', '.join(moved)}"
+
+    def lines(self) -> Iterator[str]:
+        """List offsets and angles, then loads, each with its 95 % interval.
+
+        Returns:
+            The lines of the table.
+        """
+        width = max(len(name) for name in (*(one.name for one in self.changes), *(one.name for one in self.loads)))
+        for one in self.changes:
+            yield f"  {one.name:<{width}}  {f'not determined: {one.reason}' if one.value is None else _change(one)}"
+        for load in self.loads:
+            part = "" if load.part is None else f", {100.0 * load.part:+.0f} %"
+            half = load.half
+            yield f"  {load.name:<{width}}  {_signed(load.value, half)} N of {load.before:.4g} N{part}"
+
+
+def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, coupling: str) -> AlignmentComparison:
+    """Compare a coupling's alignment with a baseline (linear mixed model; Laird and Ware 1982).
+
+    Args:
+        baseline: Models of the baseline's runs, at least one, of one machine whose bearings are described by their films.
+        later: Model of the later run.
+        coupling: Id of the coupling.
+
+    Returns:
+        The comparison.
+
+    Raises:
+        ValueError: There is no baseline, it is of another machine, or its coefficients follow no films.
+    """
+    change = run_change(baseline, later)
+    if change is None:
+        raise ValueError("alignment is told only of trains all of whose bearings are described by geometry and oil")
+    changes = tolerated_changes(later.machine, changed_alignment(change))
+    own = tuple(one for one in changes if describe(one.name).element_id == coupling)
+    return AlignmentComparison(coupling, own, changed_loads(change))
+
+
+def _change(one: ToleratedChange) -> str:
+    unit = f"µ{one.unit}"
+    told = _signed(MICRO * (one.value or 0.0), MICRO * one.half)
+    return f"{told} {unit} ({MICRO * one.allowed:.0f} {unit} allowed, chance of more {100.0 * one.beyond:.0f} %)"
+
+
+def _signed(value: float, half: float) -> str:
+    digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 2
+    return f"{round(value, digits) + 0.0:+.{digits}f} ± {half:.{digits}f}"

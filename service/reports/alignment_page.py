@@ -1,0 +1,69 @@
+"""The part of a report that tells how the couplings' alignment and the bearings' loads have changed against the baseline."""
+
+from estimator.alignment.alignment_change import changed_alignment
+from estimator.alignment.load_change import LoadChange, changed_loads
+from estimator.alignment.run_change import run_change
+from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.machine.film_speeds import follows_films
+from estimator.machine.parameter_description import describe
+from service.reports.contents import ReportContents, ReportedFit
+from service.reports.page_parts import muted, table
+from service.wording.film_words import shown
+from service.wording.finding_words import rounded
+from service.wording.language import Language
+from service.wording.stored_sentences import in_language
+
+MICRO = 1e6
+ALIGNMENT_COLUMNS = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
+LOAD_COLUMNS = ("bearing", "quantity", "load_before", "change", "half_width", "load_part")
+
+
+def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
+    """Return the changes of alignment and loads, as API and alert tell them; or why there are none."""
+    language = contents.language
+    if not fit.one.machine.couplings:
+        return ""
+    if not follows_films(fit.one.machine):
+        return muted(language.translate("report.no_offsets"))
+    if not fit.baseline:
+        return muted(language.translate("report.not_compared", reason=in_language(fit.missing, language)))
+    models = [one.model for one in fit.baseline]
+    if any(one.coordinates != fit.one.model.coordinates for one in models):
+        return muted(language.translate("report.other_unknowns"))
+    change = run_change(models, fit.one.model, causes=fit.causes)
+    if change is None:
+        return ""
+    changes = tolerated_changes(fit.one.machine, changed_alignment(change))
+    alignment = [_aligned(one, language) for one in changes]
+    loads = [_loaded(one, language) for one in changed_loads(change)]
+    return "".join(
+        table([language.translate(f"report.{one}") for one in columns], rows)
+        for columns, rows in ((ALIGNMENT_COLUMNS, alignment), (LOAD_COLUMNS, loads))
+        if rows
+    )
+
+
+def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
+    said = describe(one.name)
+    unit = f"µ{one.unit}"
+    allowed = f"{rounded(MICRO * one.allowed, 2, language)} {unit}"
+    quantity = language.named(said.quantity)
+    if one.value is None:
+        missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
+        return said.element_id, quantity, missing, "–", allowed, "–"
+    change, half = _signed(MICRO * one.value, MICRO * one.half, language)
+    return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
+
+
+def _loaded(one: LoadChange, language: Language) -> tuple[str, ...]:
+    said = describe(one.name)
+    change, half = _signed(one.value, one.half, language)
+    part = "–" if one.part is None else language.digits(f"{100.0 * one.part:+.0f} %")
+    before = f"{rounded(one.before, 3, language)} N"
+    return said.element_id, language.named(said.quantity), before, f"{change} N", f"{half} N", part
+
+
+def _signed(value: float, half: float, language: Language) -> tuple[str, str]:
+    """Return a change with its sign, and the half width of its interval."""
+    change, _, width = shown(value, half, language).partition(" ± ")
+    return (f"+{change}" if value > 0.0 else change), width
