@@ -15,6 +15,8 @@ MOST_TERMS = 4
 LARGEST_PER_CENT = 0.5
 """Largest standard error that is given in per cent, as a part of the value [-]: beyond it the value may be zero."""
 UNBALANCE = "unbalance"
+REFUSED_VALUES = "Where the refused fit ended; these are no results, neither the values nor their errors:"
+"""Heading of the values of a fit that is not accepted."""
 
 
 def element_lines(estimates: Sequence[Estimate]) -> list[str]:

@@ -1,9 +1,10 @@
 """Calibration: figures asked beside those measured; status 1 where one falls short.
 
 The measured rotor kit by its nameplate, calibrated anew without each fifth of its conditions, whose known unbalances are
-then estimated; beside it plain least squares in the same folds. Then from three runs only, simulated kits, and the time of
-many sweeps; printed balancing cases, and influence coefficients on the kit. `--short` takes three splits and a few kits, and a
-minute. `--only PART` computes some parts alone. `--conventions` tries wrong conventions instead, for an hour or more.
+then estimated; beside it plain least squares in the same folds. Then from three runs only, simulated kits, also some whose
+gains change later, and the time of many sweeps; printed balancing cases, and influence coefficients on the kit. `--short`
+takes three splits and a few kits, and a minute. `--only PART` computes some parts alone. `--conventions` tries wrong
+conventions instead, for an hour or more.
 
     python -m benchmarks.calibration [--short] [--only PART …] [--conventions]
 """
@@ -19,7 +20,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.calibration.conventions import conventions_figures
 from benchmarks.calibration.field_balancing import measured_kit, printed_balancing
 from benchmarks.calibration.rotor_kit import HeldOut, by_least_squares, by_model, folds, gathered, kit
-from benchmarks.calibration.simulated_kit import later_changes
+from benchmarks.calibration.simulated_kit import after_a_gain_changed, later_changes
 from benchmarks.calibration.simulated_trains import TRAINS, train_lines
 from benchmarks.calibration.sweep_time import SECONDS_ASKED, seconds_of_sweeps
 from benchmarks.fluid_film.report_line import ReportLine
@@ -37,6 +38,9 @@ ONE_SET = ("A007", "A015")
 """Conditions with 48 g mm on disc 1, on disc 2."""
 TRIALS = (("A005", "A007", "B009"), ("A013", "A015", "B023"))
 """All conditions with one weight from 24 g mm on at both speeds on disc 1, on disc 2."""
+CHANGED_GAINS = (1.0, 1.04, 1.08, 1.15)
+"""Factors on the gain of a channel after the calibration [-]."""
+CHANGED_KITS = 24
 FEWEST_KITS = 20
 """Number of simulated kits from which on coverage is judged."""
 
@@ -78,6 +82,15 @@ def _simulated_kits(short: bool) -> Iterator[ReportLine]:
     small = few.magnitude_rms <= THREE_RUNS[0] and few.median_angle_deg <= THREE_RUNS[1]
     shown = f"{_both([few])}, {few.covered:.1%}"
     yield ReportLine("    the same from three runs only, and intervals that hold", "9 g mm, 18°", shown, small)
+
+
+def _changed_gains(short: bool) -> Iterator[ReportLine]:
+    """Yield how many fits with a gain that has changed since the calibration are accepted, and how many intervals hold."""
+    for factor in CHANGED_GAINS:
+        told = [after_a_gain_changed(seed, factor) for seed in range(SHORT_KITS if short else CHANGED_KITS)]
+        fits, accepted, held = (sum(one[place] for one in told) for place in range(3))
+        shown = f"{accepted / fits:.0%} of {fits}, {held / (4 * accepted):.1%}" if accepted else f"0 of {fits}"
+        yield ReportLine(f"a gain {factor:g} times as large since: fits accepted, intervals hold", "", shown, True)
 
 
 def _sweeps(_: bool) -> Iterator[ReportLine]:
@@ -140,11 +153,12 @@ PARTS: dict[str, Callable[[bool], Iterator[ReportLine]]] = {
     "printed": lambda _: iter(printed_balancing()),
     "influence": _influence,
     "simulated": _simulated_kits,
+    "changed-gains": _changed_gains,
     "trains": _trains,
     "sweeps": _sweeps,
 }
 """Parts of the figures by name; each takes whether it shall be short."""
-LONG = ("trains", "sweeps")
+LONG = ("changed-gains", "trains", "sweeps")
 """Parts that short figures leave out."""
 
 

@@ -8,6 +8,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.calibration.calibrate import calibrate
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.calibration.unbalance_since import unbalance_since
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
@@ -62,15 +63,20 @@ class SimulatedKit:
         return added
 
 
-def later_changes(seed: int, *, mountings: int = RUNS) -> HeldOut:
-    """Estimate, with a simulated kit calibrated from some mountings, unbalances that it gains later."""
+def calibrated_kit(seed: int, mountings: int = RUNS) -> tuple[SimulatedKit, Machine]:
+    """Return a simulated kit and its document, calibrated from some mountings."""
     plant = SimulatedKit(seed)
     count = len(SPEEDS_RPM)
     runs = [
         CalibrationRun(f"run-{number}", plant.run(plant.trial(number)), (f"run-{number}",) * count, steady=True)
         for number in range(mountings)
     ]
-    calibrated = calibrate(plant.machine, runs).machine
+    return plant, calibrate(plant.machine, runs).machine
+
+
+def later_changes(seed: int, *, mountings: int = RUNS) -> HeldOut:
+    """Estimate, with a simulated kit calibrated from some mountings, unbalances that it gains later."""
+    plant, calibrated = calibrated_kit(seed, mountings)
     true, found, covariance = [], [], []
     for number in range(LATER):
         added = plant.trial(number)
@@ -80,3 +86,22 @@ def later_changes(seed: int, *, mountings: int = RUNS) -> HeldOut:
             found.append(since.value)
             covariance.append(since.covariance)
     return HeldOut(np.array(true), np.array(found), np.array(covariance))
+
+
+def after_a_gain_changed(seed: int, factor: complex) -> tuple[int, int, int]:
+    """Estimate later unbalances of a calibrated kit while one channel's gain is not what it was, each in turn.
+
+    Returns the number of fits, of accepted ones, and of intervals of these that hold; there are two to a disc.
+    """
+    plant, calibrated = calibrated_kit(seed)
+    gain, accepted, held = plant.gain, 0, 0
+    for channel in range(gain.size):
+        plant.gain = np.where(np.arange(gain.size) == channel, factor, 1.0) * gain
+        added = plant.trial(channel)
+        found = identify(calibrated, replace(plant.run(added), added=None))
+        since = unbalance_since(calibrated, found)
+        if found.accepted and since is not None:
+            accepted += 1
+            error = np.stack([(since.value - added).real, (since.value - added).imag], axis=-1).ravel()
+            held += int(np.count_nonzero(np.abs(error) <= CONFIDENCE_95 * np.sqrt(np.diag(since.covariance))))
+    return gain.size, accepted, held

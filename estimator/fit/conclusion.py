@@ -61,7 +61,7 @@ def conclude(
         found, verdict = _possible(problem, found, of_form.applied(verdict), limits)
         if not of_form.words and not of_form.remark:
             form_alone = _determined(coordinates, covariance) - _determined(coordinates, of_form.covariance)
-        covariance = of_form.covariance
+        covariance = of_form.covariance if beside.left_open is None else of_form.covariance + beside.left_open
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
             doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
     speed = problem.measurement.speed

@@ -17,7 +17,7 @@ def tdms_columns(path: Path) -> MeasuredColumns:
         from nptdms import TdmsFile
     except ImportError as error:
         raise BrokenFile("unreadable_file", "TDMS needs npTDMS: pip install 'rotorundown[tdms]'") from error
-    logging.getLogger("nptdms").setLevel(logging.ERROR)  # what it warns of is told as `cut`
+    logging.getLogger("nptdms.reader").setLevel(logging.ERROR)  # what it warns of is told as `cut`
     try:
         file = TdmsFile.read(path)
         channels = [channel for group in file.groups() for channel in group.channels() if channel.dtype.kind in "fiu"]
@@ -27,6 +27,8 @@ def tdms_columns(path: Path) -> MeasuredColumns:
         raise
     except Exception as error:
         raise BrokenFile("damaged_file", f"not a whole TDMS file: {error}") from error
+    if not listed:
+        raise BrokenFile("damaged_file", "not a whole TDMS file: it ends before its first channel of numbers, or has none")
     values, twice = named_once(listed)
     steps = [float(one.properties["wf_increment"]) for one in channels if one.properties.get("wf_increment")]
     starts = [one.properties["wf_start_time"] for one in channels if "wf_start_time" in one.properties]

@@ -10,7 +10,8 @@ from estimator.balancing.field_balancing import FieldBalancing
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
-from service.balancing.correction_rows import effect_rows, limit_verdicts, plane_weights, trim_weights
+from estimator.updated_model.vector_angle import angle_deg
+from service.balancing.correction_rows import effect_rows, has_other_weights, limit_verdicts, plane_weights, trim_weights
 from service.wording.language import ENGLISH, Language
 from service.wording.stored_sentences import in_language
 
@@ -68,8 +69,9 @@ def _correction(found: FieldBalancing, language: Language, scale: DiscScale) -> 
 def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
     digits, translate = language.digits, language.translate
     yield translate("balancing.effects") + (translate("balancing.with_check") if check else "")
+    promised = "balancing.as_predicted" if check and has_other_weights(found, check) else "balancing.as_promised"
     for one in effect_rows(found, check):
-        kept = translate("balancing.as_promised" if one.held else "balancing.more_than_promised")
+        kept = translate(promised if one.held else "balancing.more_than_promised")
         shown = "" if one.check is None else f" {digits(f'{one.check:9.3g}')}  {kept}"
         yield f"  {one.channel:<12} {digits(f'{one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}')}{shown}"
     limit = limit_verdicts(found)
@@ -122,6 +124,8 @@ def _check(found: FieldBalancing, check: BalancingCheck, language: Language, sca
     shown = np.isfinite(check.vector)
     kept, points = int(np.count_nonzero(check.held)), int(np.count_nonzero(shown))
     yield language.translate("balancing.check", name=check.name, kept=kept, points=points)
+    if has_other_weights(found, check):
+        yield "  " + language.translate("balancing.other_weights", weights=_installed(found, check, language, scale))
     limit = found.machine.operation.vibration_limit
     if limit is not None:
         kept_limit = bool(np.nanmax(np.abs(check.vector)) <= limit)
@@ -130,6 +134,16 @@ def _check(found: FieldBalancing, check: BalancingCheck, language: Language, sca
     yield "  " + language.translate("balancing.trim")
     for plane, size, angle in trim_weights(found, check):
         yield f"  {plane:<12} {language.digits(f'{size:10.4g} {_reading(found, scale, angle):7.1f}')}"
+
+
+def _installed(found: FieldBalancing, check: BalancingCheck, language: Language, scale: DiscScale) -> str:
+    """Return the weights that were on in a check run, on the discs' scale."""
+    weights = [
+        language.digits(f"{plane} {abs(value) / GRAM_MILLIMETRE:.4g} g mm, {_reading(found, scale, angle):.0f}°")
+        for plane, value, angle in zip(found.separation.planes, check.installed, angle_deg(check.installed), strict=True)
+        if value
+    ]
+    return "; ".join(weights) or language.translate("balancing.no_weights")
 
 
 def _reading(found: FieldBalancing, scale: DiscScale, angle_deg: float) -> float:

@@ -16,6 +16,8 @@ from estimator.updated_model.uncertainty import PhasorBand
 from estimator.updated_model.vector_angle import angle_deg, angle_half_width_deg
 
 MICROMETRES = METRES["um"] * PEAK["peak-to-peak"]
+OTHER_WEIGHTS = 0.1
+"""Part of a correction by which the weights that were on may miss it and still pass for it [-]."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,12 @@ def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> l
 def meets_prediction(check: BalancingCheck, points: list[int]) -> bool:
     """Return whether the largest vibration at some points is below what was promised for the weights that were on."""
     return bool(np.nanmax(np.abs(check.vector[points])) <= np.max(check.predicted.upper[points]))
+
+
+def has_other_weights(found: FieldBalancing, check: BalancingCheck) -> bool:
+    """Return whether a check run had other weights on than the correction's."""
+    missing = np.linalg.norm(check.installed - found.unbalance)
+    return bool(missing > OTHER_WEIGHTS * np.linalg.norm(found.unbalance))
 
 
 def limit_verdicts(found: FieldBalancing) -> tuple[float, LimitVerdict] | None:

@@ -79,7 +79,7 @@ def identify_offline(
     if as_json:
         _print_json(described, result, files, sidecar, found.qualities, helpful)
     else:
-        _print(described, result, files[0], sidecar)
+        _print(described, result, measurement, files[0], sidecar)
         for told in (text and f"\n{text}", "" if helpful is None else advice_text(helpful)):
             if told:
                 print_text(told)
@@ -103,20 +103,21 @@ def _printed_by_mounting(machine: Path, files: list[Path], sidecar: Path | None,
     return bool(mountings)
 
 
-def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Path | None) -> None:
+def _print(machine: "Machine", result: "Identification", measurement: "Measurement", file: Path, sidecar: Path | None) -> None:
     """Print estimates, and what a calibrated machine has gained and how couplings are aligned."""
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
     from service.commands.mountings import stated_scale
     from service.commands.results.alignment_report import alignment_text
-    from service.commands.results.identification_report import identification_text, since_text
+    from service.commands.results.identification_report import beyond_stated_weights, identification_text, since_text
 
     print_text(identification_text(result))
     since = unbalance_since(machine, result)
     if since is not None:
         scale, direction = stated_scale(machine, file, sidecar)
-        print_text(since_text(since, scale, direction=direction))
+        beyond = beyond_stated_weights(machine, measurement, scale, direction=direction)
+        print_text(since_text(since, scale, direction=direction, beyond=beyond, accepted=result.accepted))
     alignment = alignment_text(alignment_quantities(updated_model(machine, result))) if result.accepted else ""
     if alignment:
         print_text(alignment)

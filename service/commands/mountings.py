@@ -59,8 +59,9 @@ def print_mountings(
 ) -> None:
     """Identify each mounting and print what each disc has gained in it; status 1 where one is refused."""
     from estimator.calibration.unbalance_since import unbalance_since
+    from estimator.phasors.measurement import joined
     from rotorundown.identification import identify_behind_gate
-    from service.commands.results.identification_report import since_text
+    from service.commands.results.identification_report import beyond_stated_weights, since_text, verdict_text
     from service.commands.results.result_content import since_content
 
     scale, direction = stated_scale(machine, file, sidecar)
@@ -86,8 +87,11 @@ def print_mountings(
             }
         )
         if not as_json:
-            text = "" if since is None else since_text(since, scale, direction=direction)
-            print_text(f"\n{name}: {verdict}{text}")
+            text = ""
+            if found is not None and since is not None:
+                beyond = beyond_stated_weights(machine, joined([run.measurement for run in runs]), scale, direction=direction)
+                text = since_text(since, scale, direction=direction, beyond=beyond, accepted=found.accepted)
+            print_text(f"\n{name}: {verdict if found is None else verdict_text(found)}{text}")
     if as_json:
         print_json({"machine": machine.id, "mountings": content})
     if not accepted:

@@ -142,6 +142,10 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "balancing.effects": "Largest vibration over the speeds [µm pp]: channel, before, predicted after, 95 % below",
     "balancing.with_check": ", check run",
     "balancing.as_promised": "as promised",
+    "balancing.as_predicted": "no more than predicted for the weights that were on",
+    "balancing.other_weights": "other weights than the correction's were on ({weights}): what is predicted above is not for "
+    "these",
+    "balancing.no_weights": "none",
     "balancing.more_than_promised": "MORE THAN PROMISED",
     "balancing.limit": "limit of the document {limit} µm pp: {verdict}",
     "balancing.residual": "Residual unbalance in the bearing planes against ISO 21940-11 G {grade} at {rpm:.0f} r/min [g mm], "

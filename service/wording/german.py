@@ -145,6 +145,10 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "balancing.effects": "Größte Schwingung über die Drehzahlen [µm pp]: Kanal, vorher, nachher vorausgesagt, 95 % unter",
     "balancing.with_check": ", Kontrolllauf",
     "balancing.as_promised": "wie zugesagt",
+    "balancing.as_predicted": "nicht mehr als für die angebrachten Massen vorausgesagt",
+    "balancing.other_weights": "andere Massen als die der Korrektur waren angebracht ({weights}): die Voraussage oben "
+    "gilt nicht für diese",
+    "balancing.no_weights": "keine",
     "balancing.more_than_promised": "MEHR ALS ZUGESAGT",
     "balancing.limit": "Grenze des Dokuments {limit} µm pp: {verdict}",
     "balancing.residual": "Restunwucht in den Lagerebenen nach ISO 21940-11 G {grade} bei {rpm:.0f} 1/min [g mm], als starrer "

@@ -102,7 +102,8 @@ def judge(problem: FitProblem, found: FitResult) -> Verdict:
     if found.noise.estimated:
         return _judge_by_order(problem, found, f"{chi}{outlying}", freedom)
     explained = held is None or held.chance >= SMALLEST_CHANCE or accepted(held.chi_square, held.freedom)
-    if not explained or not accepted(found.chi_square, freedom):
+    changed = held is not None and held.chain_changed
+    if changed or not explained or not accepted(found.chi_square, freedom):
         where = _misfitting_channel(problem, found)
         return Verdict(False, f"{against or 'the model does not fit the data'}: {chi}{where}{outlying}", freedom)
     if reduced < 1.0 - CHI_SQUARE_LIMIT * spread:
@@ -129,10 +130,12 @@ class VerdictRemark(Struct, frozen=True):
     Attributes:
         words: The remark.
         inflation: Factor on the fit's covariance [-].
+        left_open: What its covariance (n, n) grows by beside [-]; None for nothing.
     """
 
     words: str = ""
     inflation: float = 1.0
+    left_open: Floats | None = None
 
 
 def remark(problem: FitProblem, found: FitResult) -> VerdictRemark:
@@ -146,10 +149,11 @@ def remark(problem: FitProblem, found: FitResult) -> VerdictRemark:
         The remark, with words only where there is something.
     """
     alike, held = _alike(problem, found), calibration_conflict(problem, found)
-    if held is None or held.inflation == 1.0:
+    if held is None or (held.inflation == 1.0 and held.doubted is None):
         return alike
     words = f"; the run fits the document's calibration badly ({held.words}): intervals are widened"
-    return VerdictRemark(alike.words + words, alike.inflation * held.inflation)
+    left_open = None if held.doubted is None else held.doubted.left_open
+    return VerdictRemark(alike.words + words, alike.inflation * held.inflation, left_open)
 
 
 def _alike(problem: FitProblem, found: FitResult) -> VerdictRemark:

@@ -18,6 +18,7 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
+from rotorundown.estimate_summary import REFUSED_VALUES
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6
@@ -37,14 +38,19 @@ def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bo
     return "\n".join(lines)
 
 
+def verdict_text(result: Identification) -> str:
+    """Return the verdict, which says first where a fit is refused."""
+    return result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}"
+
+
 def identification_text(result: Identification) -> str:
-    """Return the verdict and estimates ± standard error, a line per parameter."""
+    """Return the verdict and estimates ± standard error, a line per parameter; under a heading of its own where refused."""
     lines = [
-        result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
+        verdict_text(result),
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
         f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start{'' if result.starts == 1 else 's'}, "
         f"{result.iterations} iterations; condition number {result.condition_number:.2g}",
-        "",
+        *(("",) if result.accepted else ("", REFUSED_VALUES)),
     ]
     width = max(len(estimate.name) for estimate in result.estimates)
     return "\n".join(lines + [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in result.estimates])
@@ -65,18 +71,42 @@ def advice_text(helpful: Sequence[Benefit]) -> str:
     return "\n".join([*lines, *(f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in helpful)])
 
 
-def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int) -> str:
-    """Return the unbalance gained since the calibration, a line per disc, with 95 % intervals, angles on the discs' scale."""
+def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int, beyond: str = "", accepted: bool = True) -> str:
+    """Return the unbalance gained since the calibration, a line per disc, with 95 % intervals, angles on the discs' scale.
+
+    beyond: the weights that were stated, which are not part of it. accepted: whether the fit may be used.
+    """
     counted = "from +x towards +y" if scale == DiscScale() else f"on the discs' scale, {scale.counted}"
-    heading = "Unbalance gained since the calibration (± 95 %, with the calibration's uncertainty and that of a new mounting)"
+    gained = "Unbalance gained since the calibration" if accepted else "NOT TO BE USED, of a refused fit: unbalance gained"
+    heading = f"{gained}{beyond} (± 95 %, with the calibration's uncertainty and that of a new mounting)"
     lines = ["", f"{heading}, angles {counted}"]
     for place, (disc, value) in enumerate(zip(since.discs, since.value, strict=True)):
         half = CONFIDENCE_95 * since.standard_error(place) * GRAM_MILLIMETRES
         size, open_angle = abs(value) * GRAM_MILLIMETRES, since.angle_error_deg(place)
-        reading = f"{scale.reading(float(np.angle(value)), direction=direction):.1f}"
+        reading = _reading(complex(value), scale, direction)
         angle = f"{reading} ± {open_angle:.1f}°" if open_angle < 180.0 else f"{reading}°, which is left open"
         lines.append(f"  {disc:<12} {size:9.3f} ± {half:.3f} g mm at {angle}")
     return "\n".join(lines)
+
+
+def beyond_stated_weights(machine: Machine, measurement: Measurement, scale: DiscScale, *, direction: int) -> str:
+    """Return in words which trial weights a run states, that what it shows lies beyond; empty where there are none."""
+    added = measurement.added
+    if added is None or not np.any(added):
+        return ""
+    if np.any(added != added[0]):
+        return ", beyond the weights that the sidecar states for each row"
+    weights = [
+        f"{disc.id} {GRAM_MILLIMETRES * abs(value):.4g} g mm at {_reading(complex(value), scale, direction)}°"
+        for disc, value in zip(machine.discs, added[0], strict=True)
+        if value
+    ]
+    return f", beyond the weights that the sidecar states: {' and '.join(weights)}"
+
+
+def _reading(value: complex, scale: DiscScale, direction: int) -> str:
+    """Return the angle of an unbalance on the discs' scale [°]."""
+    return f"{round(scale.reading(cmath.phase(value), direction=direction), 1) % 360.0:.1f}"  # not 360.0
 
 
 def regression_text(found: PublishedEstimate) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from msgspec import structs
 
 from estimator.calibration.unbalance_since import UnbalanceSince
-from estimator.fit.estimates import Estimate
+from estimator.fit.estimates import CONFIDENCE_95, Estimate
 from estimator.fit.identification import Identification
 from estimator.identification.experiment_design import Benefit, HelpfulProbe, HelpfulSpeed
 from estimator.identification.model_comparison import ModelComparison
@@ -72,6 +72,7 @@ def since_content(since: UnbalanceSince, scale: DiscScale, *, direction: int) ->
             **_vector(complex(value)),
             "scale_deg": scale.reading(float(np.angle(value)), direction=direction),
             "standard_error_g_mm": GRAM_MILLIMETRES * since.standard_error(place),
+            "half_width_g_mm": GRAM_MILLIMETRES * CONFIDENCE_95 * since.standard_error(place),
             "angle_half_width_deg": since.angle_error_deg(place),
         }
         for place, (disc, value) in enumerate(zip(since.discs, since.value, strict=True))

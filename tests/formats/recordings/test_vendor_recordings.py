@@ -59,6 +59,16 @@ def test_vectors_of_mat_and_tdms_files(tmp_path: Path) -> None:
     assert_read(tmp_path / "a.tdms")
 
 
+def test_a_tdms_file_that_ends_before_its_first_channel_is_named(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    mapped(tmp_path)
+    with TdmsWriter(tmp_path / "a.tdms") as file:
+        file.write_segment([ChannelObject("run", n, v) for n, v in (("Speed", RPM), ("A", AMPLITUDE), ("P", PHASE))])
+    (tmp_path / "a.tdms").write_bytes((tmp_path / "a.tdms").read_bytes()[:100])
+    with pytest.raises(UnreadableFile, match="not a whole TDMS file: it ends before its first channel of numbers"):
+        read_recording(tmp_path / "a.tdms")
+    assert capfd.readouterr().err == ""
+
+
 def test_an_order_over_speed_in_a_universal_file(tmp_path: Path) -> None:
     said = {"type": 58, "binary": 0, "func_type": 2, "id1": "B1X", "rsp_node": 1, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1}
     vector = AMPLITUDE * np.exp(1j * np.radians(PHASE))

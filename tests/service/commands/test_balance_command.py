@@ -73,6 +73,7 @@ def test_initial_run_trials_correction_and_check_run(runs: list[str], tmp_path: 
     page = tmp_path / "page.html"
     checked = run("balance", *runs, "--check", check, "--page", str(page), "--grade", "6.3")
     assert "MORE THAN PROMISED" not in checked
+    assert "other weights" not in checked
     assert not re.search(r"\de\+\d", checked), "amounts in g mm have no power of ten"
     assert re.search(r"Check run check: \d+ of 80 points within the prediction", checked)
     assert "against ISO 21940-11 G 6.3 at 6000 r/min" in checked
@@ -97,6 +98,14 @@ def test_a_check_run_that_shows_more_than_promised_ends_with_status_1(runs: list
     check = recorded(tmp_path, "check", {}, seed=20)
     text = run("balance", *runs, "--check", check, status=1)
     assert "MORE THAN PROMISED" in text, "it says nothing of weights: the correction's are taken to be on"
+
+
+def test_a_check_run_with_other_weights_is_not_said_to_keep_the_promise(runs: list[str], tmp_path: Path) -> None:
+    weights = {"D1": (40.0, 90.0), "D2": (10.0, 0.0)}
+    text = run("balance", *runs, "--check", recorded(tmp_path, "check", weights, seed=20))
+    assert "no more than predicted for the weights that were on" in text
+    assert "as promised" not in text
+    assert "other weights than the correction's were on (D1 40 g mm, 90°; D2 10 g mm, 0°)" in text
 
 
 def test_limits_holes_and_min_max(runs: list[str]) -> None:

@@ -55,6 +55,13 @@ def test_two_commands_find_a_weight_that_was_not_calibrated_with(calibrated: tup
     assert abs((reading + 180.0) % 360.0 - 180.0) < open_angle < 40.0
 
 
+def test_weights_that_a_later_run_states_are_no_part_of_what_it_gained(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+    text = run("identify", str(calibrated[1]), recording(tmp_path, "later", held=True))
+    assert "gained since the calibration, beyond the weights that the sidecar states: D1 30 g mm at 0.0° (± 95 %" in text
+    [line] = [line for line in text.splitlines() if line.startswith("  D1")]
+    assert "left open" in line
+
+
 def only(file: str, *conditions: str) -> str:
     """Leave the rows of some conditions alone in a recording."""
     header, *rows = Path(file).read_text().splitlines()
@@ -85,6 +92,7 @@ def test_a_later_table_without_a_sidecar_is_told_from_the_mark(calibrated: tuple
     columns = ",".join(f"{channel}_um_pp,{channel}_lag_deg" for channel in channels)
     table.write_text(f"speed_rpm,{columns}\n1004.0,10.5,-35.0,14.0,-50.0,41.0,-5.0,20.0,-70.0\n")
     text = run("identify", str(calibrated[1]), str(table), status=1)
+    assert "NOT TO BE USED, of a refused fit: unbalance gained" in text
     assert "angles from +x towards +y" in text
 
 

@@ -205,6 +205,7 @@ def test_a_refused_run_tells_which_convention_is_wrong(tmp_path: Path) -> None:
     assert text.startswith(
         "NOT ACCEPTED, not to be used: the run fits over 1000 times better with the opposite sign of the phase"
     )
+    assert text.index("Where the refused fit ended; these are no results") < text.index("bearing.B1.kxx  ")
 
 
 def test_a_run_that_never_enters_the_speed_range_is_told(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Later fits that start from a calibrated document: refused, or with wider intervals, where the run contradicts it."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -68,3 +69,27 @@ def test_what_is_accepted_of_a_machine_that_has_changed_a_little_has_intervals_t
             held += (np.abs(parts) < CONFIDENCE_95 * np.sqrt(np.diag(since.covariance))).tolist()
     assert len(held) >= 12
     assert np.mean(held) > 0.85
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_chain_that_has_changed_is_told_from_the_others_with_its_new_gain(kit: Kit, place: int) -> None:
+    gains = [1.0] * 4
+    gains[place] = 1.3
+    found = kit.later(kit.plant.trial(1), gains=gains)
+    assert not found.accepted
+    told = re.search(r"the gain of (\w+) fits best at ([\d.]+) times its calibrated value", found.verdict)
+    assert told is not None, found.verdict
+    assert told[1] == kit.plant.machine.channels[place]
+    assert float(told[2]) == pytest.approx(1.3, abs=0.1)
+
+
+def test_a_small_change_of_a_chain_is_left_open_in_the_intervals(kit: Kit) -> None:
+    def width(found: Identification) -> float:
+        since = unbalance_since(kit.calibrated, found)
+        assert since is not None
+        return float(np.sqrt(np.trace(since.covariance)))
+
+    found = [kit.later(kit.plant.trial(number), gains=(1.0, 1.0, 1.05, 1.0)) for number in range(6)]
+    widened = [one for one in found if "the gain of P2X fits best at" in one.verdict and one.accepted]
+    assert widened, [one.verdict for one in found]
+    assert min(map(width, widened)) > 1.05 * width(kit.later(kit.plant.trial(1)))
