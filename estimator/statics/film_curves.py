@@ -8,6 +8,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.bearings.terms import LATERAL
 from estimator.statics.equilibrium import FilmEquilibrium
 from estimator.statics.film_deviations import TERMS, FilmDeviations
+from estimator.statics.films_between import FilmsBetween
 from estimator.statics.solved_films import SolvedFilms
 
 
@@ -25,6 +26,8 @@ class FilmCurves:
         self._films = films
         self._speed = speed
         self._weight = np.asarray(films.nominal.spline(np.log(speed)))
+        turning = any(one.turns_sharply for one in films.nominal.train.bearings)
+        self._between = FilmsBetween(films, speed, self._weight) if turning else None
         self._deviations = deviations.at(speed)
 
     def values(self, fitted: Floats) -> Floats:
@@ -111,7 +114,10 @@ class FilmCurves:
     def _own_derivatives(self, fitted: Floats, block: slice) -> tuple[Floats, Floats]:
         """Return the derivatives (s, 8n, P) by the P own parameters, and what deviations are a part of (s, 8n)."""
         base = self._base(fitted)[block]
-        own = np.tensordot(self._weight[block], self._films.slopes(fitted), 1)
+        if self._between is None:
+            own = np.tensordot(self._weight[block], self._films.slopes(fitted), 1)
+        else:
+            own = self._between.slopes(fitted, block)
         sizes = self._sizes(base)
         if self._deviations.count:
             first, second = self._beside
@@ -121,7 +127,9 @@ class FilmCurves:
 
     def _base(self, fitted: Floats) -> Floats:
         """Return the films' own coefficients (S, 8n)."""
-        return np.asarray(self._weight @ self._films.coefficients(fitted))
+        if self._between is None:
+            return np.asarray(self._weight @ self._films.coefficients(fitted))
+        return self._between.coefficients(fitted)
 
     def _sizes(self, base: Floats) -> Floats:
         """Return what a deviation of each coefficient is a part of (S, 8n): the direct terms beside it."""

@@ -1,9 +1,10 @@
 """Model of all bearings of a train by their oil films: coefficients over speed from clearances, viscosities and elevations.
 
 The loads on the films follow from the statics of the whole train, so that one model gives the coefficients of all bearings.
-Equilibria are solved at a few speeds, with exact derivatives; between them coefficients follow splines. Films of real
-bearings deviate from any model by some per cent: each term may be off by a Gaussian process over speed (Kennedy and O'Hagan,
-J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294), whose numbers are fitted with the others and not reported.
+Equilibria are solved at a few speeds, with exact derivatives; between them coefficients follow splines, in lobed bores the
+films where the journals stand, whose positions do (`films_between`). Films of real bearings deviate from any model by some
+per cent: each term may be off by a Gaussian process over speed (Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425,
+doi:10.1111/1467-9868.00294), whose numbers are fitted with the others and not reported.
 """
 
 from dataclasses import dataclass, replace

@@ -56,10 +56,6 @@ def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Film
     )
     # By the logarithms of a film's own clearance and viscosity, its journal staying where it is (S, n, 2, …).
     own_force = np.stack([FORCE_POWER * force + np.einsum("snij,snj->sni", static, place), force], axis=2)
-    own_stiffness, own_damping = (
-        np.stack([COEFFICIENT_POWER * one - np.einsum("snijk,snk->snij", slope, place), one], axis=2)
-        for one, slope in ((stiffness, stiffness_slope), (damping, damping_slope))
-    )
     by_load, slopes = train.statics.by_load, train.statics.slopes
     absolute = (place + train.elevation).reshape(speeds, -1)
     by_stiffness = slopes.weight - np.einsum("cij,sj->sci", slopes.stiffness, absolute)
@@ -74,13 +70,30 @@ def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Film
         driving[:, first + 2 : first + 4] = -train.statics.stiffness[:, block].T
     moved = np.linalg.solve(whole, driving.swapaxes(1, 2)).swapaxes(1, 2)
     position = np.asarray(moved.reshape(speeds, -1, count, 2), dtype=float)
-    parts = (
-        -np.einsum("snij,spnj->spni", static, position),
-        np.einsum("snijk,spnk->spnij", stiffness_slope, position),
-        np.einsum("snijk,spnk->spnij", damping_slope, position),
-    )
+    moving = -np.einsum("snij,spnj->spni", static, position)
     for number in range(count):
         first = len(PARAMETERS) * number
-        for part, own in zip(parts, (own_force, own_stiffness, own_damping), strict=True):
-            part[:, first : first + 2, number] += own[:, number]
-    return FilmSensitivity(position, *parts)
+        moving[:, first : first + 2, number] += own_force[:, number]
+    both = ((stiffness, stiffness_slope), (damping, damping_slope))
+    return FilmSensitivity(position, moving, *(coefficient_slopes(*one, place=place, position=position) for one in both))
+
+
+def coefficient_slopes(value: Floats, slope: Floats, *, place: Floats, position: Floats) -> Floats:
+    """Compute the derivatives of stiffness or damping where journals stand (powers of the clearance as in Lund 1987).
+
+    Args:
+        value: The coefficients (S, n, 2, 2) of n films at S speeds [SI].
+        slope: Their derivatives (S, n, 2, 2, 2) by the journal's position, whose component is the last axis [SI per m].
+        place: The journals' positions (S, n, 2) [m].
+        position: Derivatives (S, P, n, 2) of the positions by the parameters of `FilmSensitivity` [m, or m/m].
+
+    Returns:
+        Derivatives (S, P, n, 2, 2) by these parameters [SI].
+    """
+    # By the logarithms of a film's own clearance and viscosity, its journal staying where it is.
+    own = np.stack([COEFFICIENT_POWER * value - np.einsum("snijk,snk->snij", slope, place), value], axis=2)
+    found = np.einsum("snijk,spnk->spnij", slope, position)
+    for number in range(place.shape[1]):
+        first = len(PARAMETERS) * number
+        found[:, first : first + 2, number] += own[:, number]
+    return np.asarray(found)

@@ -48,6 +48,11 @@ class JournalBearing:
         """Return the radius of the journal [m]."""
         return self.said.diameter / 2
 
+    @property
+    def turns_sharply(self) -> bool:
+        """Return whether the film may turn sharply where the journal passes a lobe's centre of curvature."""
+        return self.said.pads is None and self.said.preload > 0.0
+
     def covers(self, position: Floats) -> bool:
         """Return whether the film is known at a position.
 

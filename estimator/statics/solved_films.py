@@ -142,6 +142,10 @@ class SolvedFilms:
     """Films at the speeds at which equilibria are solved, remembered for the last fitted numbers.
 
     Equilibria are sought from the last ones on, beginning with the nominal ones.
+
+    Attributes:
+        own: The films' own parameters.
+        nominal: The films as the document gives them.
     """
 
     def __init__(self, own: FilmParameters, nominal: NominalFilms) -> None:
@@ -154,7 +158,7 @@ class SolvedFilms:
         Raises:
             FilmTooThin: There is no equilibrium at a speed.
         """
-        self._own = own
+        self.own = own
         self.nominal = nominal
         self._last = _Solution(np.zeros(0), nominal.train, nominal.equilibria)
         # Each is one object, so that a thread that reads it while another replaces it gets a pair that belongs together.
@@ -170,17 +174,17 @@ class SolvedFilms:
         Returns:
             Factors (C,) [-].
         """
-        return self._own.factors(fitted)
+        return self.own.factors(fitted)
 
     @property
     def viscosities(self) -> list[int]:
         """Return the places of the own parameters that are viscosities, or factors of several."""
-        return sorted({self._own.place(number, "viscosity") for number in range(len(self._own.forms))})
+        return sorted({self.own.place(number, "viscosity") for number in range(len(self.own.forms))})
 
     @property
     def count(self) -> int:
         """Return the number of coefficients, 8n."""
-        return 8 * len(self._own.forms)
+        return 8 * len(self.own.forms)
 
     def coefficients(self, fitted: Floats) -> Floats:
         """Compute the films' own coefficients.
@@ -194,7 +198,7 @@ class SolvedFilms:
         found = self.equilibria(fitted)
         if found is None:
             return np.full((self.nominal.speed.size, self.count), np.nan)
-        return _rows(np.stack([one.stiffness for one in found]), np.stack([one.damping for one in found]))
+        return film_rows(np.stack([one.stiffness for one in found]), np.stack([one.damping for one in found]))
 
     def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at these speeds.
@@ -205,7 +209,7 @@ class SolvedFilms:
         Returns:
             The equilibria; None where a film is too thin.
         """
-        key, solved = self._own.of(fitted).tobytes(), self._solved
+        key, solved = self.own.of(fitted).tobytes(), self._solved
         if solved[0] != key:
             solved = self._solved = key, self._solve(fitted)
         return solved[1]
@@ -225,24 +229,24 @@ class SolvedFilms:
             return None
         position = np.stack([one.position for one in known])
         start = np.tensordot(np.asarray(self.nominal.spline(np.log(speed))), position, 1)
-        return equilibria_near(self._own.changed(fitted), speed, start)
+        return equilibria_near(self.own.changed(fitted), speed, start)
 
     def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
-        train = self._own.changed(fitted)
-        found = self._last.continued_to(self._own.of(fitted), train, self.nominal.speed)
+        train = self.own.changed(fitted)
+        found = self._last.continued_to(self.own.of(fitted), train, self.nominal.speed)
         if found is None:
             found = self._from_nominal(fitted)
         if found is not None:
-            self._last = _Solution(self._own.of(fitted).copy(), train, found)
+            self._last = _Solution(self.own.of(fitted).copy(), train, found)
         return found
 
     def _from_nominal(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria that the document's lead to through films between its own and these; None where that ends."""
-        centre, own = np.array([one.centre for one in self._own.parameters]), self._own.of(fitted)
+        centre, own = np.array([one.centre for one in self.own.parameters]), self.own.of(fitted)
         solution = _Solution(centre, self.nominal.train, self.nominal.equilibria)
         for part in np.linspace(0.0, 1.0, WAYPOINTS + 1)[1:]:
             between = centre + part * (own - centre)
-            train = self._own.changed(between)
+            train = self.own.changed(between)
             found = solution.continued_to(between, train, self.nominal.speed)
             if found is None:
                 return None
@@ -261,7 +265,7 @@ class SolvedFilms:
         found = self.equilibria(fitted)
         if found is None:
             return None
-        return film_sensitivity(self._own.changed(fitted), found)
+        return film_sensitivity(self.own.changed(fitted), found)
 
     def slopes(self, fitted: Floats) -> Floats:
         """Compute the derivatives of the films' own coefficients by their own fitted numbers.
@@ -283,11 +287,11 @@ class SolvedFilms:
         Returns:
             Derivatives (G, 8n, 2m) by the components along x and y of each load [SI per N]; NaN where a film is too thin.
         """
-        found, count = self.sensitivity(fitted), 2 * len(self._own.loads)
+        found, count = self.sensitivity(fitted), 2 * len(self.own.loads)
         if found is None:
             return np.full((self.nominal.speed.size, self.count, count), np.nan)
-        first = len(PARAMETERS) * len(self._own.forms)
-        rows = _rows(found.stiffness[:, first : first + count], found.damping[:, first : first + count])
+        first = len(PARAMETERS) * len(self.own.forms)
+        rows = film_rows(found.stiffness[:, first : first + count], found.damping[:, first : first + count])
         return np.moveaxis(rows, 1, -1)
 
     def motions(self, fitted: Floats) -> tuple[Floats, Floats]:
@@ -303,27 +307,35 @@ class SolvedFilms:
         return found.position, found.force
 
     def _all_slopes(self, fitted: Floats) -> _Slopes:
-        key, known = self._own.of(fitted).tobytes(), self._slopes
+        key, known = self.own.of(fitted).tobytes(), self._slopes
         if known[0] != key:
             known = self._slopes = key, self._differentiated(fitted)
         return known[1]
 
     def _differentiated(self, fitted: Floats) -> _Slopes:
-        found, count = self.sensitivity(fitted), self._own.count
+        found, count = self.sensitivity(fitted), self.own.count
         speed = self.nominal.speed
         if found is None:
             journals = np.full((speed.size, self.count // 8, 2, count), np.nan)
             return _Slopes(np.full((speed.size, self.count, count), np.nan), journals, journals)
         position, force, coefficients = (
-            self._own.by_fitted(np.moveaxis(one, 1, -1), speed=speed)
-            for one in (found.position, found.force, _rows(found.stiffness, found.damping))
+            self.own.by_fitted(np.moveaxis(one, 1, -1), speed=speed)
+            for one in (found.position, found.force, film_rows(found.stiffness, found.damping))
         )
         self._last = replace(self._last, slopes=position)
         return _Slopes(coefficients, position, force)
 
 
-def _rows(stiffness: Floats, damping: Floats) -> Floats:
-    """Return matrices (..., n, 2, 2) of n films as rows (..., 8n)."""
+def film_rows(stiffness: Floats, damping: Floats) -> Floats:
+    """Return the coefficients of n films as rows.
+
+    Args:
+        stiffness: Matrices (..., n, 2, 2) [N/m].
+        damping: Matrices (..., n, 2, 2) [N s/m].
+
+    Returns:
+        Rows (..., 8n), film by film.
+    """
     each = [one.reshape(*one.shape[:-2], 4) for one in (stiffness, damping)]
     whole = np.concatenate(each, axis=-1)
     return whole.reshape(*whole.shape[:-2], -1)

@@ -1,5 +1,6 @@
 """The model of a train's films against equilibria one by one, its derivatives against differences."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,11 +8,14 @@ import pytest
 import yaml
 
 from estimator.arrays import Floats
+from estimator.films.film import Film
 from estimator.films.pad_table import THINNEST_FILM, THINNEST_KNOWN
+from estimator.films.profiles import three_lobe
 from estimator.machine.document import DocumentError, parse_machine
 from estimator.statics.film_deviations import TERMS
 from estimator.statics.film_model import FilmModel, film_model
 from estimator.statics.solved_films import FilmTooThin
+from tests.estimator.films.films import coarse_table
 from tests.paths import EXAMPLES
 
 SPEED = np.linspace(4600.0, 700.0, 60) * np.pi / 30
@@ -43,6 +47,33 @@ def test_coefficients_are_those_of_the_equilibria_between_the_speeds_that_are_so
         for part in (slice(0, 4), slice(4, 8)):
             largest = np.abs(exact[:, part]).max(axis=1, keepdims=True)
             assert np.max(np.abs(row[:, part] - exact[:, part]) / largest) < 5e-4
+
+
+def lobed_model() -> FilmModel:
+    """The model of the same train in three-lobe bores, whose journals pass a lobe's centre of curvature."""
+    model = film_model(parse_machine(document(discrepancy=0.0)))
+    film = Film(three_lobe(preload=0.4), 0.5, table=coarse_table)
+    lobed = {"profile": "three_lobe", "preload": 0.4}
+    bearings = tuple(replace(one, film=film, said=one.said.model_copy(update=lobed)) for one in model.own.train.bearings)
+    train = replace(model.own.train, bearings=bearings)
+    return replace(model, own=replace(model.own, train=train), nominal=replace(model.nominal, train=train))
+
+
+def test_coefficients_follow_a_film_that_turns_sharply_between_the_speeds_that_are_solved() -> None:
+    model = lobed_model()
+    fitted = drawn(model, 1)
+    curves, exact = model.at(SPEED), model.films.equilibria_at(fitted, SPEED)
+    assert exact is not None
+    found = curves.values(fitted).reshape(SPEED.size, 4, 8)
+    for order, name in enumerate(("stiffness", "damping")):
+        due = np.array([[getattr(film, name).ravel() for film in one.film] for one in exact])
+        error = np.abs(found[..., 4 * order : 4 * order + 4] - due).max(axis=2) / np.abs(due).max(axis=2)
+        assert error.max() < 5e-4
+    slopes, size = curves.derivatives(fitted, slice(0, 60, 5)), np.abs(found).reshape(SPEED.size, -1).max(axis=0)
+    for place in range(0, fitted.size, 3):
+        step = 1e-4 * np.eye(fitted.size)[place]
+        difference = (curves.values(fitted + step) - curves.values(fitted - step))[::5] / 2e-4
+        np.testing.assert_allclose(slopes[:, :, place] / size, difference / size, atol=2e-4)
 
 
 @pytest.mark.parametrize("discrepancy", [0.0, 0.05])
