@@ -77,7 +77,7 @@ rotorundown: estimator estimator/alignment estimator/calibration estimator/diagn
     estimator/simulation estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment
     rotorundown/plots storage storage/encoding
 service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
-    estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
+    estimator/updated_model service/monitoring/rules service/wording storage/alerts storage/machines storage/measurements
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage
@@ -153,8 +153,8 @@ service/doctor: formats/wire service/api service/configuration service/delivery 
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
 service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: estimator estimator/balancing estimator/calibration estimator/fit estimator/identification
-    estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
+service/commands: estimator estimator/balancing estimator/bearings estimator/calibration estimator/fit
+    estimator/identification estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
     estimator/updated_model formats/files formats/recordings formats/wire rotorundown rotorundown/environment
     service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
     service/delivery service/doctor service/edge service/export service/http service/identification service/ingest

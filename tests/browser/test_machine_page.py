@@ -221,8 +221,9 @@ def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
             "sigma": -8.0,
             "added": None,
         }
+        coupled = {**cross, "parameter": "coupling.C1.kx_phiy", "element": "coupling.C1", "per_cent": 4.5, "sigma": 6.0}
         elements = [{**one, "probability": 1e-12} for one in found["elements"]]
-        route.fulfill(json={**found, "missing": None, "elements": elements, "parameters": [added, cross]})
+        route.fulfill(json={**found, "missing": None, "elements": elements, "parameters": [added, cross, coupled]})
 
     seen.page.route(re.compile("/deviations[?]"), balanced)
     seen.open(f"machines/{MACHINE}")
@@ -230,6 +231,7 @@ def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
     for element, words in (
         ("disc.D1", "unbalance: 1837 g·mm added at 94° (89 % of the baseline's, 40 σ)"),
         ("bearing.B1", "kxy −12 % of the direct terms (−8.0 σ)"),
+        ("coupling.C1", "kxφy +4.5 % of the direct terms (6.0 σ)"),
     ):
         expect(table.get_by_role("cell", name=words, exact=True)).to_be_visible()
         expect(seen.page.locator(f".element[data-element='{element}'] title")).to_contain_text(words)
