@@ -76,12 +76,12 @@ rotorundown: estimator estimator/alignment estimator/calibration estimator/diagn
     estimator/identification estimator/machine estimator/machine/checks estimator/modes estimator/phasors
     estimator/simulation estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment
     rotorundown/plots storage storage/encoding
-service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
-    estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage
 service/monitoring/rules: estimator estimator/diagnosis estimator/machine service/alerts service/wording
+service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
+    estimator/updated_model service/monitoring/rules service/wording storage/alerts storage/machines storage/measurements
 service/monitoring/assessment: estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
     estimator/trends estimator/updated_model service/alerts service/monitoring/rules
 service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
@@ -106,7 +106,7 @@ service/identification: estimator estimator/balancing estimator/calibration esti
     storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
-    service/identification service/monitoring service/monitoring/rules service/replication service/resilience
+    service/identification service/monitoring service/replication service/resilience
     service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
     storage/measurements storage/tables
 service/journal: estimator estimator/machine formats/wire service/replication service/resilience service/runs
@@ -153,7 +153,7 @@ service/doctor: formats/wire service/api service/configuration service/delivery 
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
 service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
     estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: estimator estimator/alignment estimator/balancing estimator/calibration estimator/fit
+service/commands: estimator estimator/alignment estimator/balancing estimator/bearings estimator/calibration estimator/fit
     estimator/identification estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
     estimator/updated_model formats/files formats/recordings formats/wire rotorundown rotorundown/environment
     service/advice service/api service/api/operation service/balancing service/commands/results service/configuration

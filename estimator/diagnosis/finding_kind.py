@@ -13,6 +13,17 @@ from estimator.diagnosis.observation import Observation
 from estimator.machine.parameter_description import describe
 
 ElementKind = Literal["coupling", "bearing", "seal", "pedestal", "disc", "shaft", "probe", "static_load", "machine"]
+ELEMENT_LISTS: Mapping[ElementKind, str] = {
+    "coupling": "couplings",
+    "bearing": "bearings",
+    "seal": "seals",
+    "pedestal": "pedestals",
+    "disc": "discs",
+    "shaft": "shafts",
+    "probe": "probes",
+    "static_load": "static_loads",
+}
+"""List of a machine's document that names the elements of each kind; the machine as a whole is in none."""
 FindingPlace = Literal["machine", "channels", "data"]
 
 

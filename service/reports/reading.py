@@ -11,7 +11,6 @@ from service.alerts.event_message import AlertEvent
 from service.balancing.open_causes import SomethingElseWrong, require_nothing_else
 from service.identification.stored_model import NoModel, identified, used_runs
 from service.monitoring.comparison import compared
-from service.monitoring.rules.finding_catalogue import finding_at
 from service.reports.contents import (
     PeriodCounts,
     ReportContents,
@@ -125,7 +124,7 @@ def _balancings(session: Session, machine_id: str, period: ReportPeriod) -> Iter
 
 def _reason_to_wait(session: Session, machine_id: str, language: Language) -> str | None:
     try:
-        require_nothing_else(session, machine_id, finding_at, language)
+        require_nothing_else(session, machine_id, language)
     except SomethingElseWrong as error:
         return str(error)
     return None

@@ -221,8 +221,9 @@ def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
             "sigma": -8.0,
             "added": None,
         }
+        coupled = {**cross, "parameter": "coupling.C1.kx_phiy", "element": "coupling.C1", "per_cent": 4.5, "sigma": 6.0}
         elements = [{**one, "probability": 1e-12} for one in found["elements"]]
-        route.fulfill(json={**found, "missing": None, "elements": elements, "parameters": [added, cross]})
+        route.fulfill(json={**found, "missing": None, "elements": elements, "parameters": [added, cross, coupled]})
 
     seen.page.route(re.compile("/deviations[?]"), balanced)
     seen.open(f"machines/{MACHINE}")
@@ -233,6 +234,7 @@ def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
     ):
         expect(table.get_by_role("cell", name=words, exact=True)).to_be_visible()
         expect(seen.page.locator(f".element[data-element='{element}'] title")).to_contain_text(words)
+    expect(table.get_by_text("kxφy +4.5 % of the direct terms (6.0 σ)")).to_be_visible()
     assert seen.errors == []
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Route, expect
 
+from estimator.diagnosis.finding_kind import ELEMENT_LISTS
 from tests.browser.conftest import Seen
 from tests.browser.story import MACHINE, day_of
 from tests.end_to_end.processes import Service
@@ -53,7 +54,12 @@ def test_a_suppression_begins_and_ends(seen: Seen, service: Service) -> None:
     expect(seen.page.get_by_text("No alert is suppressed or shelved")).to_be_visible()
     seen.page.get_by_role("button", name="Suppress").click()
     dialog = seen.page.get_by_role("dialog")
-    dialog.get_by_label("Element").select_option("bearing.B1")
+    elements = dialog.get_by_label("Element")
+    document = service.get(f"/machines/{MACHINE}")["document"]
+    listed = [f"{kind}.{one['id']}" for kind, part in ELEMENT_LISTS.items() for one in document.get(part) or []]
+    assert [one.get_attribute("value") for one in elements.locator("option").all()] == ["", *listed]
+    assert "shaft.S1" in listed
+    elements.select_option("bearing.B1")
     dialog.get_by_label("Comment").fill("its probe is out for calibration")
     dialog.get_by_label("Your name").fill("anna")
     dialog.get_by_role("button", name="Suppress").click()

@@ -11,11 +11,11 @@ SOURCES = Path(__file__).parents[2] / "dashboard" / "src"
 MAY_IMPORT: dict[str, set[str]] = {
     "messages": {"declarations"},
     "browser": {"messages"},
-    "format": {"messages"},
+    "format": {"declarations", "messages"},
     "declarations": set(),
     "findings": {"declarations", "format", "messages"},
     "schemas": {"findings"},
-    "words": {"findings", "format", "messages", "schemas"},
+    "words": {"declarations", "findings", "format", "messages", "schemas"},
     "data": {"browser", "messages", "schemas"},
     "components": {"browser", "data", "format", "messages", "schemas"},
     "dialogs": {"components", "data", "declarations", "findings", "format", "messages", "schemas", "words"},
@@ -25,7 +25,9 @@ MAY_IMPORT: dict[str, set[str]] = {
         *("browser", "components", "data", "declarations", "dialogs", "findings", "format", "messages", "plots"),
         *("schemas", "words"),
     },
-    "identification": {"browser", "components", "data", "format", "messages", "plots", "schemas", "words"},
+    "identification": {
+        *("browser", "components", "data", "declarations", "format", "messages", "plots", "schemas", "words"),
+    },
     "reports": {
         "components",
         "data",

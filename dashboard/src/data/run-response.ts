@@ -24,7 +24,7 @@ export interface CompleteResponse {
   noFit: string;
 }
 
-export interface RunResponse {
+export interface RunResponseQuery {
   measured: QueryResult<Phasors>;
   /** The last response of the run of which every part was loaded. */
   complete: CompleteResponse | undefined;
@@ -32,7 +32,7 @@ export interface RunResponse {
 }
 
 /** Without the slow roll that the identification subtracted, or as measured; the 2× comes along where sources send it. */
-export function useRunResponse(machine: string, run: Run | undefined, reference: Run | undefined, asMeasured = false): RunResponse {
+export function useRunResponse(machine: string, run: Run | undefined, reference: Run | undefined, asMeasured = false): RunResponseQuery {
   const { identified, slowRoll, failure } = useRunIdentification(machine, run);
   const subtracted = asMeasured ? slowRoll && "none" : slowRoll;
   const phasorsPath = (of: Run | undefined) => (of && subtracted ? `/runs/${of.id}/phasors${queryString({ slow_roll: subtracted, include: "2x" })}` : null);

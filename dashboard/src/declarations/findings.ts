@@ -5,8 +5,13 @@ export const RULES = ["misalignment", "bearing", "coupling", "pedestal", "settle
 
 export type RuleName = (typeof RULES)[number];
 
+/** Quantities that a limit may name. */
+export const LIMIT_NAMES = ["sigma", "per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance"] as const;
+
+export type LimitName = (typeof LIMIT_NAMES)[number];
+
 /** Quantities that the limits of each kind may name. */
-export const QUANTITIES: Record<RuleName, readonly string[]> = {
+export const QUANTITIES: Record<RuleName, readonly LimitName[]> = {
   misalignment: ["sigma", "per_cent", "force", "tolerance_per_cent", "beyond_tolerance"],
   bearing: ["sigma", "per_cent", "tolerance_per_cent"],
   coupling: ["sigma", "per_cent"],
@@ -20,6 +25,15 @@ export const QUANTITIES: Record<RuleName, readonly string[]> = {
   run_out: ["sigma", "per_cent"],
   sensor: ["sigma", "per_cent"],
   rate_of_change: ["rate_per_cent_per_week"],
+};
+
+/** Kinds of findings that are called as elements are, and so are the element's own. */
+export const NAMED_AS_ELEMENTS: readonly string[] = ["bearing", "coupling", "pedestal"];
+
+/** Kinds of elements at which balancing mends what an alert reports, by the alert's rule. */
+export const MENDED_BY_BALANCING: Readonly<Record<string, readonly string[]>> = {
+  unbalance: ["disc"],
+  rate_of_change: ["disc"],
 };
 
 /** Names of all kinds of findings, by language. */

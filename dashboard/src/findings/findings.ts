@@ -1,5 +1,5 @@
 // Everything that the page says of findings: their kinds, labels and causes, and the limits that each kind has.
-import { QUANTITIES, RULES, type RuleName } from "../declarations/findings";
+import { LIMIT_NAMES, MENDED_BY_BALANCING, NAMED_AS_ELEMENTS, QUANTITIES, RULES, type LimitName, type RuleName } from "../declarations/findings";
 import { elementName, words } from "../format/names";
 import { decimal } from "../format/numbers";
 import { t } from "../messages/messages";
@@ -25,10 +25,12 @@ export function findingTitle(kind: string, element: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** Findings that are called as elements are: that of a seal is called `bearing` as well. */
-const NAMED_AS_ELEMENTS = ["bearing", "coupling", "pedestal"];
+/** Whether balancing mends what an alert reports. */
+export function isMendedByBalancing({ rule, element }: { rule: string; element: string }): boolean {
+  return MENDED_BY_BALANCING[rule]?.includes(element.split(".")[0]!) ?? false;
+}
 
-/** Whether a finding is called as its element. */
+/** Whether a finding is called as its element: that of a seal is called `bearing` as well. */
 function isElementsOwn(kind: string, element: string): boolean {
   return NAMED_AS_ELEMENTS.includes(kind) || words(element.split(".")[0]!) === findingLabel(kind);
 }
@@ -40,7 +42,7 @@ function idOf(element: string): string {
 
 export const LEVELS = ["alert", "danger"] as const;
 
-export type LimitName = "sigma" | "per_cent" | "force" | "rate_per_cent_per_week" | "tolerance_per_cent" | "beyond_tolerance";
+export type { LimitName };
 
 export interface LimitQuantity {
   name: LimitName;
@@ -48,14 +50,17 @@ export interface LimitQuantity {
   unit: string;
 }
 
-const LIMIT_QUANTITIES: LimitQuantity[] = [
-  { name: "sigma", label: t("significance"), unit: "σ" },
-  { name: "per_cent", label: t("limitChange"), unit: "%" },
-  { name: "force", label: t("forceInTheCoupling"), unit: "N" },
-  { name: "rate_per_cent_per_week", label: t("limitRate"), unit: t("perWeek") },
-  { name: "tolerance_per_cent", label: t("changeOnOilFilms"), unit: t("ofWhatIsAllowed") },
-  { name: "beyond_tolerance", label: t("probabilityOfMoreThanIs"), unit: t("probability") },
-];
+/** Labels and units of all quantities: one that the service declares newly is missed when the page is built. */
+const LIMIT_WORDS: Record<LimitName, { label: string; unit: string }> = {
+  sigma: { label: t("significance"), unit: "σ" },
+  per_cent: { label: t("limitChange"), unit: "%" },
+  force: { label: t("forceInTheCoupling"), unit: "N" },
+  rate_per_cent_per_week: { label: t("limitRate"), unit: t("perWeek") },
+  tolerance_per_cent: { label: t("changeOnOilFilms"), unit: t("ofWhatIsAllowed") },
+  beyond_tolerance: { label: t("probabilityOfMoreThanIs"), unit: t("probability") },
+};
+
+const LIMIT_QUANTITIES: LimitQuantity[] = LIMIT_NAMES.map((name) => ({ name, ...LIMIT_WORDS[name] }));
 
 /** The quantities that may be limited for a kind. */
 export function limitQuantities(kind: FindingKind): LimitQuantity[] {

@@ -1,4 +1,5 @@
 // Names of elements and parameters as people read them.
+import { TERMS } from "../declarations/terms";
 import { t, term } from "../messages/messages";
 
 /** `coupling C1` from `coupling.C1`. */
@@ -55,5 +56,6 @@ export function isUnbalance(parameter: string): boolean {
 
 /** Cross-coupled terms may be near zero: their changes are given in per cent of the direct terms beside them, or not at all. */
 export function isCrossCoupled(parameter: string): boolean {
-  return /(xy|yx)(@|$)/.test(parameter);
+  const [name] = termName(parameter).split(/[@.]/);
+  return TERMS[name!]?.direct === false;
 }

@@ -8,11 +8,12 @@ import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { MisalignmentForce } from "../schemas/model";
 
+/** Loads with their labels, units and styles: one for each axis. */
 const LOADS = [
-  ["force_x", t("forceAlongX"), "N"],
-  ["force_y", t("forceAlongY"), "N"],
-  ["moment_x", t("momentAboutX"), "N m"],
-  ["moment_y", t("momentAboutY"), "N m"],
+  ["force_x", t("forceAlongX"), "N", 0],
+  ["force_y", t("forceAlongY"), "N", 1],
+  ["moment_x", t("momentAboutX"), "N m", 0],
+  ["moment_y", t("momentAboutY"), "N m", 1],
 ] as const;
 
 export function CouplingLoadsPanel({ path }: { path: string }) {
@@ -42,7 +43,7 @@ interface LoadPlotProps {
   load: (typeof LOADS)[number];
 }
 
-function LoadPlot({ speed, coupling, load: [field, label, unit] }: LoadPlotProps) {
+function LoadPlot({ speed, coupling, load: [field, label, unit, style] }: LoadPlotProps) {
   const { speed: unitOfSpeed } = useUnits();
   const load = coupling[field];
   const scale = scaleOf(Math.max(0, ...load.amplitude.map((one) => one ?? 0)), unit);
@@ -59,7 +60,7 @@ function LoadPlot({ speed, coupling, load: [field, label, unit] }: LoadPlotProps
         yUnit={scale.unit}
         height={170}
         syncGroup="forces"
-        curves={[{ name: label, style: field.endsWith("x") ? 0 : 1, y: scaled(load.amplitude), lower: scaled(load.lower), upper: scaled(load.upper) }]}
+        curves={[{ name: label, style, y: scaled(load.amplitude), lower: scaled(load.lower), upper: scaled(load.upper) }]}
       />
     </figure>
   );

@@ -2,14 +2,15 @@
 import { speedsInUnit, useUnits } from "../browser/units";
 import { Scroll } from "../components/scroll";
 import { Speed, useSpeedText } from "../components/speed";
+import { TERMS } from "../declarations/terms";
 import { number, scaleOf, type Scale } from "../format/numbers";
 import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import { missingReasons, type Bounded, type FilmCoefficient, type OilFilm } from "../words/oil-films";
 
 const KINDS = [
-  ["k", t("stiffness")],
-  ["c", t("damping")],
+  ["stiffness", t("stiffness")],
+  ["damping", t("damping")],
 ] as const;
 
 export function FilmCoefficients({ film }: { film: OilFilm }) {
@@ -18,8 +19,8 @@ export function FilmCoefficients({ film }: { film: OilFilm }) {
   return (
     <>
       <div class="film-plots">
-        {KINDS.map(([letter, kind]) => (
-          <Kind key={letter} film={film} kind={kind} coefficients={film.coefficients.filter((one) => one.term.startsWith(letter))} />
+        {KINDS.map(([quantity, kind]) => (
+          <Kind key={quantity} film={film} kind={kind} coefficients={film.coefficients.filter((one) => TERMS[one.term]?.quantity === quantity)} />
         ))}
       </div>
       {missingReasons(named).map(([reason, names]) => (

@@ -6,12 +6,10 @@ import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { Severity } from "../components/severity";
 import { useOpenAlerts } from "../data/open-alerts";
+import { isMendedByBalancing } from "../findings/findings";
 import { t } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 import { alertTitle } from "../words/alert-states";
-
-/** What balancing is for. */
-const MENDED_BY_BALANCING = "unbalance";
 
 interface Props {
   machine: string;
@@ -24,7 +22,7 @@ export function BalancingGate({ machine, children }: Props) {
 }
 
 function Gate({ alerts, children }: { alerts: Alert[]; children: Props["children"] }) {
-  const dangers = alerts.filter((one) => one.severity === "danger" && one.rule !== MENDED_BY_BALANCING);
+  const dangers = alerts.filter((one) => one.severity === "danger" && !isMendedByBalancing(one));
   const [anyway, setAnyway] = useState(false);
   const waits = dangers.length > 0;
   return (

@@ -15,6 +15,8 @@ export interface Document {
   bearings: { id: string; film?: { profile?: string; preload?: number; oil: { supply?: string | null } } | null }[];
   seals?: { id: string }[];
   pedestals?: { id: string }[];
+  shafts: { id: string }[];
+  static_loads?: { id: string }[];
   discs: { id: string }[];
   probes: { id: string }[];
 }

@@ -1,11 +1,11 @@
 // The elements of a machine and of an identification.
+import { ALERTING_LISTS } from "../declarations/elements";
 import type { Estimate } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 
 /** All elements of a machine that alerts may concern: `coupling.C1`. */
 export function elementsOfMachine(machine: Document): string[] {
-  const named = (kind: string, all: { id: string }[]) => all.map((one) => `${kind}.${one.id}`);
-  return [...named("coupling", machine.couplings), ...named("bearing", machine.bearings), ...named("disc", machine.discs), ...named("probe", machine.probes)];
+  return ALERTING_LISTS.flatMap(([kind, list]) => (machine[list] ?? []).map((one: { id: string }) => `${kind}.${one.id}`));
 }
 
 /** The elements that parameters were estimated of, in their order. */

@@ -32,7 +32,6 @@ from service.balancing.stored_runs import StoredWeight, balancing_run, read_weig
 from service.identification import balancing_computation
 from service.identification.balancing_computation import BalancingTask
 from service.identification.stored_model import Identified, identified
-from service.monitoring.rules.finding_catalogue import finding_at
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import now, to_datetime
 from storage.machines import balancings, machines
@@ -124,7 +123,7 @@ def compute_correction(
     """
     asked = said.model_dump(mode="json", exclude={"by"})
     with database(request).reading() as session:
-        require_nothing_else(session, machine_id, finding_at)
+        require_nothing_else(session, machine_id)
         key, read = _stamp(session, machine_id, balancing_id)
 
     def work(process: ModelProcess) -> dict[str, Any]:
@@ -135,7 +134,7 @@ def compute_correction(
     result = compute_in_worker(request, ("balancing correction", *key, json.dumps(asked)), work)
     step = {"asked": asked, "by": said.by, "at": now(), "result": result}
     with change_place(request), database(request).transaction() as session:
-        require_nothing_else(session, machine_id, finding_at)  # an alert may have come while it was computed
+        require_nothing_else(session, machine_id)  # an alert may have come while it was computed
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.PROPOSED, correction=step, check=None)
         return _rendered(session, row)

@@ -11,6 +11,7 @@ RATE_OF_CHANGE = AlertRule(
     limits=Rule(alert=Level(rate_per_cent_per_week=0.5), danger=Level(rate_per_cent_per_week=2)),
     quantities=("rate_per_cent_per_week",),
     elements=("bearing", "seal", "pedestal", "coupling", "disc"),
+    mended_by_balancing=("disc",),
 )
 """Alert rule of drifts; `service.monitoring.assessment.rate_of_change` finds them."""
 

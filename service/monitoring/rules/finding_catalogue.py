@@ -6,7 +6,7 @@ The import of this module fails unless each of the estimator's `FINDING_KINDS` h
 from collections.abc import Iterable, Mapping, Sequence
 from typing import get_args
 
-from estimator.diagnosis.finding_kind import ElementKind
+from estimator.diagnosis.finding_kind import ELEMENT_LISTS, ElementKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.machine.parameter_description import describe
 from service.monitoring.rules.drift_rule import RATE_OF_CHANGE, RATE_RULE
@@ -52,9 +52,14 @@ def finding_at(kind: str, element: str, language: Language) -> str:
     if not said.element_id:  # of the machine as a whole
         return finding
     # A finding that is called as elements are is the element's own.
-    if kind in get_args(ElementKind) or finding == language.named(said.element_kind):
+    if is_named_as_element(kind) or finding == language.named(said.element_kind):
         return language.translate("itself", element=language.element(element))
     return language.translate("finding_of", finding=finding, element=language.element(element))
+
+
+def is_named_as_element(kind: str) -> bool:
+    """Return whether a finding is called as a kind of element is, so that it is the element's own."""
+    return kind in get_args(ElementKind)
 
 
 def is_finding(kind: str) -> bool:
@@ -75,9 +80,9 @@ def _rules_by_name() -> Mapping[str, AlertRule]:
 
 DIAGNOSIS_RULES = _rules_by_name()
 """Alert rules of the findings of a diagnosis, by name."""
-LIMITED_RULES: Mapping[str, AlertRule] = {
-    name: rule for name, rule in {**DIAGNOSIS_RULES, RATE_OF_CHANGE.name: RATE_OF_CHANGE}.items() if rule.limits is not None
-}
+ALERT_RULES: Mapping[str, AlertRule] = {**DIAGNOSIS_RULES, RATE_OF_CHANGE.name: RATE_OF_CHANGE}
+"""All alert rules, by name, in the order of display."""
+LIMITED_RULES: Mapping[str, AlertRule] = {name: rule for name, rule in ALERT_RULES.items() if rule.limits is not None}
 """Alert rules with limits, by name, in the order of display."""
 
 
@@ -85,3 +90,15 @@ def concerned_elements(rule: AlertRule) -> tuple[ElementKind, ...]:
     """Return the kinds of elements that a rule concerns."""
     of_findings = (kind for one in FINDING_RULES if one.rule is rule for kind in finding_kind(one.kind).elements)
     return tuple(dict.fromkeys((*of_findings, *rule.elements)))
+
+
+def alerting_lists() -> Mapping[ElementKind, str]:
+    """Return the lists of a document whose elements alerts may concern, by kind of element."""
+    concerned = {kind for rule in ALERT_RULES.values() for kind in concerned_elements(rule)}
+    return {kind: name for kind, name in ELEMENT_LISTS.items() if kind in concerned}
+
+
+def is_mended_by_balancing(rule: str, element: str) -> bool:
+    """Return whether balancing mends what an alert of a rule reports at an element."""
+    declared = ALERT_RULES.get(rule)
+    return declared is not None and describe(element).element_kind in declared.mended_by_balancing

@@ -20,7 +20,8 @@ class AlertRule:
 
     limits: the defaults; None when the finding has no size: it is then always an alert, never a danger. quantities: those that
     its levels may name. deviations: kinds of elements whose deviations of single parameters are also measured by it. elements:
-    kinds of elements that it concerns besides those of its findings.
+    kinds of elements that it concerns besides those of its findings. mended_by_balancing: kinds of elements at which balancing
+    mends what it reports.
     """
 
     name: str
@@ -28,6 +29,7 @@ class AlertRule:
     quantities: tuple[LimitQuantity, ...] = ()
     deviations: tuple["ElementKind", ...] = ()
     elements: tuple["ElementKind", ...] = ()
+    mended_by_balancing: tuple["ElementKind", ...] = ()
 
     def __post_init__(self) -> None:
         if (self.limits is None) != (not self.quantities):

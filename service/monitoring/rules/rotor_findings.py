@@ -20,6 +20,7 @@ UNBALANCE = AlertRule(
     limits=Rule(alert=Level(sigma=4, per_cent=25), danger=Level(per_cent=100)),
     quantities=("sigma", "per_cent"),
     deviations=("disc",),
+    mended_by_balancing=("disc",),
 )
 ROTATING_COUPLING = AlertRule(
     "rotating_coupling",

@@ -132,13 +132,15 @@ def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong
         row = store_identification(session, identification({"coupling.C1.kxx": 1.0}), run_id=1)
         finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=False)
         unbalanced = AlertFinding({"sigma": 6.1}, row.id, START, latching=False)
+        drifting = AlertFinding({"rate_per_cent_per_week": 3.0}, row.id, START, latching=False)
         transitions.raise_alert(session, KEY.machine, rule="unbalance", element="disc.D1", finding=unbalanced)
+        transitions.raise_alert(session, KEY.machine, rule="rate_of_change", element="disc.D1", finding=drifting)
     assert api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["state"] == "proposed"
     with store.transaction() as session:
         transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     told = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
     assert told.startswith("mend C1 first, no masses are proposed while something else is wrong: alert ")
-    assert told.endswith("alert 2: misalignment of coupling C1")
+    assert told.endswith("alert 3: misalignment of coupling C1")
 
 
 def test_the_model_of_an_identification_is_used_where_it_predicts_better(store: Database, api: Api, begun: int) -> None:
