@@ -334,7 +334,7 @@ def film_rows(stiffness: Floats, damping: Floats) -> Floats:
         damping: Matrices (..., n, 2, 2) [N s/m].
 
     Returns:
-        Rows (..., 8n), film by film.
+        Rows (..., 8n), film by film: first the stiffness [N/m], then the damping [N s/m].
     """
     each = [one.reshape(*one.shape[:-2], 4) for one in (stiffness, damping)]
     whole = np.concatenate(each, axis=-1)
