@@ -104,7 +104,7 @@ service/identification: estimator estimator/balancing estimator/calibration esti
     estimator/machine estimator/modes estimator/phasors estimator/updated_model rotorundown/environment
     service/balancing service/configuration service/monitoring service/replication service/resilience service/workers
     storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
-service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
+service/reports: estimator estimator/alignment estimator/diagnosis estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
     service/identification service/monitoring service/replication service/resilience
     service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines

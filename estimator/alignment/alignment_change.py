@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.alignment.freed_coordinates import NamedCause
+from estimator.alignment.freed_coordinates import MovingCause
 from estimator.alignment.run_change import RunChange, run_change
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.updated_model.alignment_results import alignment_results
@@ -43,7 +43,7 @@ def alignment_changes(
     later: UpdatedModel,
     *,
     variation: HealthyVariation | None = None,
-    causes: Iterable[NamedCause] = (),
+    causes: Iterable[MovingCause] = (),
 ) -> tuple[AlignmentChange, ...]:
     """Estimate by how much offsets and angles differ from those of a baseline (linear mixed model; Laird and Ware 1982).
 
@@ -54,8 +54,8 @@ def alignment_changes(
         baseline: Models of the baseline's runs, at least one, of one machine.
         later: Model of the later run.
         variation: How the machine varies while it is healthy; None to learn it from the baseline.
-        causes: Kind and element of what else is known to have happened to the machine since, such as the wear of a bearing:
-            what that moves is not held at the baseline's.
+        causes: Element of what else is known to have happened to the machine since, and what that moves and is not held at
+            the baseline's.
 
     Returns:
         The changes, named as alignment is; none of a train whose coefficients do not follow from films.
@@ -91,7 +91,7 @@ def alignment_change_quantities(
     later: UpdatedModel,
     *,
     variation: HealthyVariation | None = None,
-    causes: Iterable[NamedCause] = (),
+    causes: Iterable[MovingCause] = (),
 ) -> tuple[Derived, ...]:
     """Derive by how much offset and angle of each coupling have changed against a baseline, or why that is not determined.
 
@@ -99,7 +99,7 @@ def alignment_change_quantities(
         baseline: Models of the baseline's runs, at least one, of the same machine.
         later: Model of the later run.
         variation: How the machine varies while it is healthy; None to learn it from the baseline.
-        causes: Kind and element of what else is known to have happened since, as `alignment_changes` takes them.
+        causes: Element of what else is known to have happened since, as `alignment_changes` takes them.
 
     Returns:
         Changes [m, rad], named as alignment is; none of a train whose coefficients do not follow from films.

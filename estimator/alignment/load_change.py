@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.alignment.freed_coordinates import NamedCause
+from estimator.alignment.freed_coordinates import MovingCause
 from estimator.alignment.run_change import RunChange, run_change
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.alignment_rules import HealthyVariation
@@ -66,7 +66,7 @@ def load_changes(
     later: UpdatedModel,
     *,
     variation: HealthyVariation | None = None,
-    causes: Iterable[NamedCause] = (),
+    causes: Iterable[MovingCause] = (),
 ) -> tuple[LoadChange, ...]:
     """Estimate by how much the loads on a train's films differ from those of a baseline (JCGM 100:2008, 5.2).
 
@@ -76,7 +76,7 @@ def load_changes(
         baseline: Models of the baseline's runs, at least one, of one machine.
         later: Model of the later run.
         variation: How the machine varies while it is healthy; None to learn it from the baseline.
-        causes: Kind and element of what else is known to have happened since, as `run_change` takes them.
+        causes: Element of what else is known to have happened since, as `run_change` takes them.
 
     Returns:
         The changes, bearing by bearing; none of a train whose coefficients do not follow from films, or without equilibrium.

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alignment.compliant_couplings import compliant_couplings
-from estimator.alignment.freed_coordinates import NamedCause, freed_directions
+from estimator.alignment.freed_coordinates import MovingCause, freed_directions
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation
 from estimator.alignment.run_likelihood import RunLikelihood, run_likelihood
 from estimator.alignment.season_of_run import season_of_run
@@ -57,7 +57,7 @@ def run_change(
     later: UpdatedModel,
     *,
     variation: HealthyVariation | None = None,
-    causes: Iterable[NamedCause] = (),
+    causes: Iterable[MovingCause] = (),
 ) -> RunChange | None:
     """Estimate by how much a later run's coordinates differ from a baseline's (linear mixed model; Laird and Ware 1982).
 
@@ -69,7 +69,7 @@ def run_change(
         baseline: Models of the baseline's runs, at least one, of one machine.
         later: Model of the later run.
         variation: How the machine varies while it is healthy; None to learn it from the baseline.
-        causes: Kind and element of what else is known to have happened to the machine since: what that moves is not held at
+        causes: Element of what else is known to have happened to the machine since: what that moves is not held at
             the baseline's.
 
     Returns:

@@ -13,6 +13,7 @@ from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, allowed_alignment, tolerated_changes
 from estimator.diagnosis.equivalent_settlements import EquivalentSettlement, equivalent_settlements
 from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
+from estimator.diagnosis.moving_causes import moving_causes
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
@@ -51,8 +52,8 @@ def alignment_size(
         The size.
     """
     machine = newest.machine
-    named = [(one.kind, one.element) for one in causes]
-    change = run_change(baseline, newest, variation=variation, causes=named)
+    moving = moving_causes((one.kind, one.element) for one in causes)
+    change = run_change(baseline, newest, variation=variation, causes=moving)
     if change is None:
         return ChangeSize(None)
     changes = tolerated_changes(machine, changed_alignment(change))

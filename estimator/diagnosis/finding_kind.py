@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from estimator.alignment.freed_coordinates import MovedCoordinates
 from estimator.arrays import Floats
 from estimator.diagnosis.change_columns import ChangeColumns
 from estimator.diagnosis.data_faults import DataFault
@@ -160,6 +161,7 @@ class FindingKind:
         form: Function that returns the form of a cause, as far as the data tell.
         linear: Whether it enters the response linearly, so that it explains its effect exactly.
         left_out: Whether it moves an error that fits leave out unless the document asks for it.
+        moves: Coordinates of a train on oil films that it moves: a change of alignment must not hold them at the baseline's.
 
     Raises:
         ValueError: A part of the declaration is missing.
@@ -175,6 +177,7 @@ class FindingKind:
     form: Callable[[Cause], str | None] | None = None
     linear: bool = False
     left_out: bool = False
+    moves: MovedCoordinates | None = None
 
     @property
     def beside_fit(self) -> bool:

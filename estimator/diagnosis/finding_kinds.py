@@ -14,6 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from estimator.alignment.freed_coordinates import MovedCoordinates
+from estimator.alignment.healthy_films import VISCOSITIES
 from estimator.arrays import Complexes, Floats
 from estimator.diagnosis.change_columns import RISE, ChangeColumns
 from estimator.diagnosis.data_faults import heavy_loads, light_loads, lost_channels, many_outliers, misfit
@@ -35,7 +37,7 @@ from estimator.diagnosis.growths import growth_parts, growth_quantities, growths
 from estimator.diagnosis.low_stability import low_stability
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.coupling_neighbours import neighbouring_bearings
-from estimator.machine.parameter_description import describe
+from estimator.machine.parameter_description import ROTATING_ERRORS, describe
 
 UNEVEN = 0.04
 """Difference by which one element of a misaligned train may rise more than another, of logarithms [-]."""
@@ -277,21 +279,39 @@ def _mean_of(which: Sequence[bool] | Floats) -> Floats:
     return np.asarray(chosen / max(1.0, float(chosen.sum())))
 
 
+COEFFICIENTS = MovedCoordinates(coefficients=True)
 FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind(
         "misalignment", ("coupling",), "machine", changes=_misalignments, size=_misalignment_size, form=misalignment_form
     ),
-    FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size),
-    FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size),
-    FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size),
+    FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size, moves=COEFFICIENTS),
+    FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size, moves=COEFFICIENTS),
+    FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size, moves=COEFFICIENTS),
     FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size),
-    FindingKind("wear", ("bearing",), "machine", changes=wears, size=wear_size),
-    FindingKind("oil", ("machine",), "machine", changes=oils, size=oil_size),
-    FindingKind("process_force", ("static_load",), "machine", changes=process_forces, size=process_force_size),
+    FindingKind("wear", ("bearing",), "machine", changes=wears, size=wear_size, moves=MovedCoordinates(("clearance",))),
+    FindingKind(
+        "oil", ("machine",), "machine", changes=oils, size=oil_size, moves=MovedCoordinates(VISCOSITIES, of_all_elements=True)
+    ),
+    FindingKind(
+        "process_force",
+        ("static_load",),
+        "machine",
+        changes=process_forces,
+        size=process_force_size,
+        moves=MovedCoordinates(("force_x", "force_y")),
+    ),
     FindingKind("light_load", ("bearing",), "machine", data_fault=light_loads),
     FindingKind("heavy_load", ("bearing",), "machine", data_fault=heavy_loads),
     FindingKind("low_stability", ("machine",), "machine", data_fault=low_stability),
-    FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
+    FindingKind(
+        "unbalance",
+        ("disc",),
+        "machine",
+        changes=_unbalances,
+        size=_unbalance_size,
+        linear=True,
+        moves=MovedCoordinates(("unbalance",)),
+    ),
     FindingKind(
         "rotating_coupling",
         ("coupling",),
@@ -300,6 +320,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
         size=_rotating_size,
         linear=True,
         left_out=True,
+        moves=MovedCoordinates(ROTATING_ERRORS),
     ),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
     FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),

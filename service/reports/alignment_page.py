@@ -4,6 +4,7 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.diagnosis.moving_causes import moving_causes
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from service.reports.contents import ReportContents, ReportedFit
@@ -30,7 +31,7 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
         return muted(language.translate("report.other_unknowns"))
-    change = run_change(models, fit.one.model, causes=fit.causes)
+    change = run_change(models, fit.one.model, causes=moving_causes(fit.causes))
     if change is None:
         return ""
     changes = tolerated_changes(fit.one.machine, changed_alignment(change))

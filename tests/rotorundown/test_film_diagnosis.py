@@ -9,6 +9,7 @@ import pytest
 import rotorundown as rd
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.alignment.alignment_comparison import AlignmentComparison
+from estimator.diagnosis.moving_causes import moving_causes
 from estimator.machine.alignment_rules import HealthyVariation
 from rotorundown.diagnosis import diagnose
 from rotorundown.result import Result
@@ -47,7 +48,7 @@ def test_an_offset_beside_a_worn_bearing_is_told_in_micrometres() -> None:
     told = sizes["misalignment"].quantities
     assert told["offset_vertical_um"] == pytest.approx(-120.0, abs=told["offset_vertical_half_width_um"])
     models = [one.model.updated for one in (*baseline, later[-1])]
-    vertical, *_ = alignment_changes(models[:-1], models[-1], causes=[("wear", "bearing.B2")])
+    vertical, *_ = alignment_changes(models[:-1], models[-1], causes=moving_causes([("wear", "bearing.B2")]))
     assert told["offset_vertical_um"] == pytest.approx(1e6 * vertical.value, rel=1e-6)
     assert "misalignment at coupling.C1: coupling.C1.offset_vertical -1" in str(found)
     share = told["bearing.B2.load_per_cent"]

@@ -8,11 +8,11 @@ from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
 from estimator.alignment.alignment_change import changed_alignment
-from estimator.alignment.freed_coordinates import NamedCause
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.targets import TargetedAlignment, targeted_alignment
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.diagnosis.moving_causes import moving_causes
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
@@ -126,16 +126,16 @@ def read_alignment(request: Request, machine_id: MachineId, which: ChosenIdentif
 
 
 def _alignment(
-    one: Identified, baseline: list[Identified], causes: Sequence[NamedCause]
+    one: Identified, baseline: list[Identified], causes: Sequence[tuple[str, str]]
 ) -> tuple[Quantities, tuple[ToleratedChange, ...], tuple[LoadChange, ...]]:
     """Return alignment, its changes and those of loads, as the alert tells them; no changes without a baseline of the same
     unknowns.
 
-    causes: those that the machine's diagnosis has named.
+    causes: kind and element of those that the machine's diagnosis has named.
     """
     models = [each.model for each in baseline]
     comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
-    change = run_change(models, one.model, causes=causes) if comparable else None
+    change = run_change(models, one.model, causes=moving_causes(causes)) if comparable else None
     if change is None:
         return alignment_quantities(one.model), (), ()
     return alignment_quantities(one.model), tolerated_changes(one.machine, changed_alignment(change)), changed_loads(change)

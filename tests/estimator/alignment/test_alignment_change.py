@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.arrays import Floats
+from estimator.diagnosis.moving_causes import moving_causes
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.film_parameter_names import with_open_forces
@@ -93,7 +94,7 @@ def trial(seed: int, *, worn: float = 0.0, named: bool = False, thicker: float |
         theta = machine + own + (moved + grown if run == BASELINE else 0.0)
         fits.append(fitted(theta, 2.0 * rng.standard_normal((ROWS, scale.size)) / scale, rng))
     alone = alignment_results(fits[-1])
-    told = alignment_changes(fits[:-1], fits[-1], variation=variation, causes=[("wear", WORN)] if named else ())
+    told = alignment_changes(fits[:-1], fits[-1], variation=variation, causes=moving_causes([("wear", WORN)] if named else ()))
     true = [one.slope @ (COORDINATES.unit * (moved + own)) for one in alone]  # slopes of elevations only
     return np.array(true), np.array([[one.value, one.error] for one in told]), np.array([one.error for one in alone])
 

@@ -8,6 +8,7 @@ import pytest
 from estimator.alignment.freed_coordinates import FREED, freed_directions
 from estimator.arrays import Floats
 from estimator.diagnosis.hypotheses import Hypothesis, hypotheses
+from estimator.diagnosis.moving_causes import moving_causes
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
@@ -53,7 +54,7 @@ def test_each_kind_of_cause_frees_what_its_hypothesis_moves() -> None:
     found = set()
     for one in everything():
         names = {name for columns in one.variants for name in moved(columns) if "elevation" not in name}
-        directions = freed_directions(COORDINATES, [(one.kind, one.element)])
+        directions = freed_directions(COORDINATES, moving_causes([(one.kind, one.element)]))
         assert moved(directions) == names, one
         found.add(one.kind)
     assert {
@@ -70,17 +71,19 @@ def test_each_kind_of_cause_frees_what_its_hypothesis_moves() -> None:
 
 
 def test_all_films_have_thicker_oil_together_and_each_clearance_is_its_own() -> None:
-    oil = freed_directions(COORDINATES, [("oil", "machine")])
+    oil = freed_directions(COORDINATES, moving_causes([("oil", "machine")]))
     assert oil.shape == (COORDINATES.size, 1)
     assert moved(oil) == {"oil.main.viscosity_factor", "bearing.B3.viscosity", "bearing.B4.viscosity"}
     place = COORDINATES.names.index("bearing.B3.viscosity")
     assert oil[place] == pytest.approx(FREED * COORDINATES.spread[place])
-    worn = freed_directions(COORDINATES, [("wear", "bearing.B2"), ("wear", "bearing.B2"), ("wear", "bearing.B3")])
+    worn = freed_directions(
+        COORDINATES, moving_causes([("wear", "bearing.B2"), ("wear", "bearing.B2"), ("wear", "bearing.B3")])
+    )
     assert moved(worn) == {"bearing.B2.clearance", "bearing.B3.clearance"}
     assert worn.shape == (COORDINATES.size, 2)
 
 
 def test_what_moves_no_coordinate_frees_none() -> None:
     for cause in (("misalignment", "coupling.C1"), ("sensor", "probe.B1H"), ("oil_of_another_release", "machine")):
-        assert freed_directions(COORDINATES, [cause]).shape == (COORDINATES.size, 0)
+        assert freed_directions(COORDINATES, moving_causes([cause])).shape == (COORDINATES.size, 0)
     assert {describe(name).quantity for name in COORDINATES.names} >= {"force_y", "unbalance", "clearance"}
