@@ -1,4 +1,4 @@
-"""Reports of machines as PDF: read from the store, printed in a worker process, sent by mail. It imports `advice`, `alerts`,
-`balancing`, `configuration`, `delivery`, `identification`, `monitoring`, `replication`, `resilience`,
-`wording` and `workers`.
+"""Reports of machines as PDF: read from the store, drawn and printed in a worker process, and sent by mail or answered by the
+API. It imports `advice`, `alerts`, `balancing`, `configuration`, `delivery`, `identification`, `monitoring`, `replication`,
+`resilience`, `wording` and `workers`.
 """

@@ -40,6 +40,7 @@ class SqliteReplayLog:
         self.epoch = self._file.epoch
         self.next_sequence = self._file.next_sequence
         self.position = self._file.position
+        # No `SupervisedThread`: a source waits for its disk, and has no service whose health would tell of it.
         self._writer = threading.Thread(target=self._write, name="source-log", daemon=True)
         self._writer.start()
 
