@@ -1,6 +1,6 @@
 """Figures of wrong conventions: how often each is named rightly on a refused run, and whether any is named on right runs.
 
-`python -m benchmarks.calibration.conventions [--trials 3] [--runs 60] [--results FILE]` prints them alone; with a file it goes
+`python -m benchmarks.calibration.conventions [--trials 3] [--runs 60] [--keep FILE]` prints them alone; with a file it goes
 on where it was stopped. On a right run all conventions get their coarse fits first, whether its own fit would be accepted or
 not: where none is far better, none of them can be named, and the fit itself, which costs most where it is refused, is left to
 one run of `FITTED`. Factors on all amplitudes, which need a refused fit, are tried on those runs only.

@@ -1,6 +1,6 @@
 """Simulated calibrations of the example trains from sweeps: intervals of later changes of their unbalance.
 
-`python -m benchmarks.calibration.simulated_trains [--count 6] [--train NAME …] [--results FILE]` prints them alone, of all
+`python -m benchmarks.calibration.simulated_trains [--count 6] [--train NAME …] [--keep FILE]` prints them alone, of all
 examples; with a file it goes on where it was stopped.
 """
 

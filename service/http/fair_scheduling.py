@@ -6,6 +6,7 @@ those that are answered from the cache, begin together.
 """
 
 import asyncio
+import hashlib
 import time
 from collections import OrderedDict, deque
 from collections.abc import Collection
@@ -13,6 +14,12 @@ from weakref import WeakKeyDictionary
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+PERSON = "person"
+"""Key in a request's state under which the guard says whom it has let in."""
+CREDENTIALS = frozenset({b"authorization", b"cookie"})
+"""Headers with what people log in."""
+MOST_LET_IN = 2000
+"""Number of credentials that are remembered."""
 AT_ONCE_S = 0.001
 """Time in one iteration of the event loop after which no further request begins [s]."""
 
@@ -21,8 +28,8 @@ class FairScheduling:
     """ASGI middleware that lets requests begin in turns.
 
     Of the waiting requests of one address one begins, then one of the next address's. The people of one address, such as those
-    behind a proxy, are told apart by what they log in with, though nobody has looked at it yet: they take that address's turns
-    in turn.
+    behind a proxy, take its turns in turn: those who have lately been let in with the same Authorization or Cookie header. All
+    others of an address, such as who makes up keys, are one.
     Each event loop has turns of its own, as requests of two loops do not hold each other up and cannot wake each other.
     """
 
@@ -30,6 +37,7 @@ class FairScheduling:
         """Set up. at_once: paths whose requests wait for nobody."""
         self._app = app
         self._at_once = frozenset(at_once)
+        self._people = LatelyLetIn()
         self._turns: WeakKeyDictionary[asyncio.AbstractEventLoop, RoundRobinQueue] = WeakKeyDictionary()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -37,12 +45,35 @@ class FairScheduling:
         if scope["type"] == "http" and scope["path"] not in self._at_once:
             loop = asyncio.get_running_loop()
             turns = self._turns.get(loop) or self._turns.setdefault(loop, RoundRobinQueue())
-            await turns.wait(scope)
+            await turns.wait(scope, self._people.person(scope))
         await self._app(scope, receive, send)
+        self._people.remember(scope)
 
 
-CREDENTIALS = frozenset({b"authorization", b"cookie"})
-"""Headers that tell people of one address apart."""
+class LatelyLetIn:
+    """People by the credentials with which they were lately let in, the newest `MOST_LET_IN`."""
+
+    def __init__(self) -> None:
+        self._people: OrderedDict[bytes, str] = OrderedDict()
+
+    def person(self, scope: Scope) -> str:
+        """Return who was let in with a request's credentials; "" for everybody else."""
+        return self._people.get(_credentials(scope), "")
+
+    def remember(self, scope: Scope) -> None:
+        """Remember whom the guard has let in with a request's credentials, if anybody."""
+        person = scope.get("state", {}).get(PERSON, "")
+        if person:
+            place = _credentials(scope)
+            self._people[place] = person
+            self._people.move_to_end(place)
+            if len(self._people) > MOST_LET_IN:
+                self._people.popitem(last=False)
+
+
+def _credentials(scope: Scope) -> bytes:
+    given = (value for name, value in scope.get("headers", ()) if name in CREDENTIALS)
+    return hashlib.sha256(b"\n".join(given)).digest()
 
 
 class RoundRobinQueue:
@@ -51,11 +82,11 @@ class RoundRobinQueue:
     def __init__(self) -> None:
         self._until: float | None = None
         """Time until which requests begin in this iteration of the loop [s, monotonic]; None while none has begun."""
-        self._waiting: OrderedDict[str, OrderedDict[tuple[bytes, ...], deque[asyncio.Future[None]]]] = OrderedDict()
+        self._waiting: OrderedDict[str, OrderedDict[str, deque[asyncio.Future[None]]]] = OrderedDict()
         """Turns by person by address."""
 
-    async def wait(self, scope: Scope) -> None:
-        """Wait for a turn of the one who asks; who goes away while waiting is passed over."""
+    async def wait(self, scope: Scope, who: str = "") -> None:
+        """Wait for a turn of a person of an address; who goes away while waiting is passed over."""
         loop = asyncio.get_running_loop()
         now = time.monotonic()
         if self._until is None:
@@ -64,7 +95,6 @@ class RoundRobinQueue:
         elif self._waiting or now > self._until:
             turn: asyncio.Future[None] = loop.create_future()
             address = scope["client"][0] if scope.get("client") else ""
-            who = tuple(value for name, value in scope.get("headers", ()) if name in CREDENTIALS)
             self._waiting.setdefault(address, OrderedDict()).setdefault(who, deque()).append(turn)
             await turn
 

@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.database_errors import categorized
 from service.http.error_status import status_of
+from service.http.fair_scheduling import PERSON
 from service.http.problem import problem_response
 from service.resilience.rate_limit import RateLimit
 from service.security import browser_origin
@@ -198,6 +199,7 @@ class Guard:
 
         state = asked.scope.setdefault("state", {})
         state["principal"] = who
+        state[PERSON] = who.identity if who.known else ""
         state["operation"] = asked.operation
         state["store"] = recorded or scoped_store(self._database, who.plants)
         state["still_valid"] = still_valid

@@ -50,7 +50,8 @@ class DescribedFinding:
         """Yield the figures of its size, lengths in the reader's unit; none of what an older release has stored."""
         for one in self.evidence.get("parts") or ():
             part = SizePart(**(one | {"members": tuple(one["members"])}))
-            yield self._in_length_unit(part) if part.unit == "um" else part
+            other = part.unit == "um" and self.language.length_unit != "µm"
+            yield self._in_length_unit(part) if other else part
 
     def _in_length_unit(self, part: SizePart) -> SizePart:
         names = ("value", "lower", "upper", "allowed", "before")

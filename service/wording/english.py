@@ -262,7 +262,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.coupling": "coupling",
     "report.bearing": "bearing",
     "report.load_before": "load in the baseline",
-    "report.load_part": "part of it",
+    "report.load_part": "change in % of it",
     "report.quantity": "of",
     "report.change": "change against the baseline",
     "report.half_width": "95 % ±",

@@ -119,7 +119,7 @@ def run_out_words(finding: DescribedFinding) -> Mapping[str, str]:
     parts = list(finding.parts())
     if parts:
         return {"size": interval(parts[0], finding.language)}
-    return {"size": f"{_rounded_length(finding.quantities['largest_um'], finding.language)}"}
+    return {"size": _rounded_length(finding.quantities["largest_um"], finding.language)}
 
 
 def coupling_run_out_words(finding: DescribedFinding) -> Mapping[str, str]:

@@ -270,7 +270,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.coupling": "Kupplung",
     "report.bearing": "Lager",
     "report.load_before": "Last im Referenzzustand",
-    "report.load_part": "Anteil daran",
+    "report.load_part": "Änderung in % davon",
     "report.quantity": "Größe",
     "report.change": "Änderung gegen den Referenzzustand",
     "report.half_width": "95 % ±",

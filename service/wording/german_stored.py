@@ -401,9 +401,7 @@ GERMAN_STORED: Mapping[str, str] = {
     "a repeated initial run would tell": "ein wiederholter Urlauf würde es zeigen",
     "run {number}": "Lauf {number}",
     # --- warnings of documents
-    "{speed} r/min: trains usually reach {usual} r/min and more": (
-        "{speed} 1/min: Wellenstränge erreichen meist {usual} 1/min und mehr"
-    ),
+    "{speed} r/min: few machines are that slow": "{speed} 1/min: so langsam sind wenige Maschinen",
     "was {value} Hz meant, {speed} r/min?": "waren {value} Hz gemeint, {speed} 1/min?",
     "{running} r/min lies below the speed range, {low} to {high} r/min": (
         "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min"

@@ -42,6 +42,7 @@ class LocalExecutor:
     def require_workers(self) -> None:
         """Require that processes can be started, see `Executor.require_workers`."""
         if (trouble := self._processes.start_trouble) is not None:
+            self._processes.retry_start()
             raise ExecutorUnavailable(trouble)
 
     def warnings(self) -> Sequence[str]:

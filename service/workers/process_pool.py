@@ -103,6 +103,11 @@ class ProcessPool:
             return None
         return next((slot.start_trouble for slot in slots if slot.start_trouble is not None), None)
 
+    def retry_start(self) -> None:
+        """Queue a task that does nothing where no process could be started and nothing waits: it is the next attempt."""
+        if self.start_trouble is not None and self._waiting.empty():
+            self.submit(START_S, int)
+
     def shutdown(self) -> None:
         """Kill the processes, give up their tasks and cancel the queued ones."""
         with self._lock:
@@ -229,7 +234,7 @@ class _Slot:
         """Start a process. Raises Interrupted when none can be started at present, which is not the task's fault."""
         try:
             pipe = self._begin()
-        except (EOFError, OSError, RuntimeError) as error:
+        except (EOFError, MemoryError, OSError, RuntimeError) as error:
             if self._given_up is not None:  # killed while it was starting
                 raise self._given_up from error
             self.start_trouble = f"no worker process can be started: {str(error) or 'it dies while it starts'}"

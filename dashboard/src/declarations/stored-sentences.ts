@@ -175,7 +175,7 @@ export const STORED_SENTENCES: Readonly<Record<string, Readonly<Record<string, s
     "no run was repeated: intervals and promises hold the noise of the vectors, but not how the rotor settles anew at each start": "kein Lauf wurde wiederholt: Vertrauensbereiche und Zusagen enthalten das Rauschen der Zeiger, aber nicht, wie sich der Rotor bei jedem Start neu setzt",
     "a repeated initial run would tell": "ein wiederholter Urlauf würde es zeigen",
     "run {number}": "Lauf {number}",
-    "{speed} r/min: trains usually reach {usual} r/min and more": "{speed} 1/min: Wellenstränge erreichen meist {usual} 1/min und mehr",
+    "{speed} r/min: few machines are that slow": "{speed} 1/min: so langsam sind wenige Maschinen",
     "was {value} Hz meant, {speed} r/min?": "waren {value} Hz gemeint, {speed} 1/min?",
     "{running} r/min lies below the speed range, {low} to {high} r/min": "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min",
     "{density} kg/m³: steel has 7850 kg/m³": "{density} kg/m³: Stahl hat 7850 kg/m³",

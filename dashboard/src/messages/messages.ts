@@ -85,7 +85,7 @@ async function storedSentences(): Promise<Readonly<Record<string, string>>> {
 /** Names of parameters within a sentence: `coupling.C1.cxy`, `disc.D1.unbalance.real`. */
 const PARAMETER = /\b(bearing|coupling|disc|material|pedestal|probe|seal|shaft|static_load)\.([\w-]+)\.([a-z]\w*)(?:\.(real|imaginary))?/g;
 
-const MICROMETRES = /(\d+(?:[.,]\d+)?) µm(?! pp)/g;
+const MICROMETRES = /(\d+(?:[.,]\d+)?(?:e[+-]?\d+)?) µm(?! pp)/g;
 
 /** Lengths of a sentence in another unit than the micrometres that it tells. */
 function inLengthUnit(sentence: string, { label, factor }: { label: string; factor: number }): string {

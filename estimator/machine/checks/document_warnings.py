@@ -73,7 +73,7 @@ def _slow_speeds(machine: Machine) -> Iterator[DocumentWarning]:
     """Yield speeds that are probably in Hz: a slow end of the speed range, a running speed below it."""
     low, high = machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm
     if high < SLOWEST_RANGE:
-        words = f"{high:g} r/min: trains usually reach 200 r/min and more; was {high:g} Hz meant, {60 * high:g} r/min?"
+        words = f"{high:g} r/min: few machines are that slow; was {high:g} Hz meant, {60 * high:g} r/min?"
         yield DocumentWarning("speed_range.maximum_rpm", words)
     running = machine.operation.running_rpm
     if running is not None and running < low:
@@ -93,9 +93,15 @@ def _far_elevations(machine: Machine) -> Iterator[DocumentWarning]:
             if abs(elevation) > clearance:
                 yield DocumentWarning(
                     f"bearings[{number}].film.{name}",
-                    f"{1e6 * elevation:.4g} µm is more than the radial clearance, {1e6 * clearance:.4g} µm: "
+                    f"{_micrometres(elevation)} is more than the radial clearance, {_micrometres(clearance)}: "
                     "usual are some 10 µm; elevations are in m, over the place at which couplings carry nothing",
                 )
+
+
+def _micrometres(length: float) -> str:
+    """Return a length [m] in µm, with all digits before the decimal point."""
+    size = 1e6 * length
+    return f"{size:.0f} µm" if abs(size) >= 1e4 else f"{size:.4g} µm"
 
 
 def _light_materials(machine: Machine) -> Iterator[DocumentWarning]:
@@ -121,7 +127,7 @@ def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> 
     radius = film.diameter / 2
     part = film.radial_clearance / radius
     if not USUAL_CLEARANCE[0] <= part <= USUAL_CLEARANCE[1]:
-        words = f"{1e6 * film.radial_clearance:.4g} µm is {part:.2g} of the radius, {radius:g} m"
+        words = f"{_micrometres(film.radial_clearance)} is {part:.2g} of the radius, {radius:g} m"
         yield "radial_clearance", f"{words}: usual is 0.001 to 0.002 of it, half the difference of the diameters"
     slender = film.length / film.diameter
     if not USUAL_SLENDERNESS[0] <= slender <= USUAL_SLENDERNESS[1]:

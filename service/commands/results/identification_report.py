@@ -77,8 +77,9 @@ def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int, beyon
     beyond: the weights that were stated, which are not part of it. accepted: whether the fit may be used.
     """
     counted = "from +x towards +y" if scale == DiscScale() else f"on the discs' scale, {scale.counted}"
-    gained = "Unbalance gained since the calibration" if accepted else "NOT TO BE USED, of a refused fit: unbalance gained"
-    heading = f"{gained}{beyond} (± 95 %, with the calibration's uncertainty and that of a new mounting)"
+    refused = "" if accepted else "NOT TO BE USED, the fit is refused. "
+    of = "(± 95 %, with the calibration's uncertainty and that of a new mounting)"
+    heading = f"{refused}Unbalance gained since the calibration{beyond} {of}"
     lines = ["", f"{heading}, angles {counted}"]
     for place, (disc, value) in enumerate(zip(since.discs, since.value, strict=True)):
         half = CONFIDENCE_95 * since.standard_error(place) * GRAM_MILLIMETRES

@@ -3,12 +3,12 @@
 import asyncio
 import concurrent.futures
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Collection, Coroutine
 from typing import Any
 
 from starlette.types import Message, Receive, Scope, Send
 
-from service.http.fair_scheduling import AT_ONCE_S, FairScheduling
+from service.http.fair_scheduling import AT_ONCE_S, MOST_LET_IN, PERSON, FairScheduling, LatelyLetIn
 
 Ask = Callable[[Scope], Coroutine[Any, Any, None]]
 
@@ -25,12 +25,22 @@ async def send(_message: Message) -> None:
     raise AssertionError
 
 
-def begun(attack: Callable[[Ask], Coroutine[Any, Any, None]], *, holding_s: float = 2 * AT_ONCE_S) -> list[Scope]:
-    """The requests of an attack in the order in which they began; each holds the event loop for so long."""
+def begun(
+    attack: Callable[[Ask], Coroutine[Any, Any, None]],
+    *,
+    holding_s: float = 2 * AT_ONCE_S,
+    let_in: Collection[bytes] = (),
+) -> list[Scope]:
+    """The requests of an attack in the order in which they began; each holds the event loop for so long.
+
+    let_in: credentials that are accepted, each another person's.
+    """
     order: list[Scope] = []
 
     async def app(scope: Scope, _receive: Receive, _send: Send) -> None:
         order.append(scope)
+        key = scope["headers"][0][1]
+        scope["state"] = {PERSON: key.decode() if key in let_in else ""}
         time.sleep(holding_s)
 
     one = FairScheduling(app, at_once={"/alive"})
@@ -89,20 +99,38 @@ def test_clients_take_turns_and_life_is_told_at_once() -> None:
     assert clients.index("10.0.0.2") <= 3, "though 39 of another client came before"
 
 
-def test_people_behind_one_proxy_take_turns_and_keys_that_are_made_up_cost_other_addresses_nothing() -> None:
+def test_people_behind_one_proxy_take_turns_and_keys_that_are_made_up_cost_nobody_else_a_turn() -> None:
     async def attack(ask: Ask) -> None:
+        for key in (b"one", b"another"):
+            await ask(asked("10.0.0.1", key=key))  # both are let in before the others come
         async with asyncio.TaskGroup() as group:
-            for _ in range(40):
-                group.create_task(ask(asked("10.0.0.1")))
             for number in range(40):
-                group.create_task(ask(asked("10.0.0.2", key=b"made up %d" % number)))
+                group.create_task(ask(asked("10.0.0.1", key=b"made up %d" % number)))
+            for _ in range(12):
+                group.create_task(ask(asked("10.0.0.1")))
             group.create_task(ask(asked("10.0.0.1", key=b"another")))
             group.create_task(ask(asked("10.0.0.3")))
 
-    order = [(scope["client"][0], scope["headers"][0][1]) for scope in begun(attack)]
-    assert len(order) == 82
-    assert order.index(("10.0.0.1", b"another")) <= 6, "though 39 of the same address came before"
-    assert order.index(("10.0.0.3", b"one")) <= 4, "though 79 of two addresses came before"
+    order = [(scope["client"][0], scope["headers"][0][1]) for scope in begun(attack, let_in={b"one", b"another"})][2:]
+    assert len(order) == 54
+    assert order.index(("10.0.0.1", b"another")) <= 7, "though 51 of the same address came before"
+    assert order.index(("10.0.0.3", b"one")) <= 4, "though 53 of another address came before"
+    own = [place for place, one in enumerate(order) if one == ("10.0.0.1", b"one")]
+    assert max(own) <= 12 * 3 + 2, "though 40 made-up keys of the same address came before"
+
+
+def let_in(key: bytes, person: str) -> Scope:
+    return {**asked("10.0.0.1", key=key), "state": {PERSON: person}}
+
+
+def test_credentials_of_whom_nobody_let_in_lately_are_forgotten() -> None:
+    people = LatelyLetIn()
+    for number in range(MOST_LET_IN + 1):
+        people.remember(let_in(b"%d" % number, f"person {number}"))
+    assert people.person(asked("10.0.0.1", key=b"0")) == ""
+    assert people.person(asked("10.0.0.2", key=b"1")) == "person 1"
+    people.remember(let_in(b"made up", ""))
+    assert people.person(asked("10.0.0.1", key=b"made up")) == ""
 
 
 def test_who_goes_away_while_waiting_holds_up_nobody() -> None:

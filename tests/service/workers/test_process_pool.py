@@ -103,6 +103,27 @@ def test_that_no_process_can_be_begun_is_not_held_against_the_work(two: ProcessP
     assert two.start_trouble is None
 
 
+def test_trouble_of_starting_ends_without_a_task(two: ProcessPool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The task that met it may have been cancelled, or computed by another replica."""
+
+    def short_of_memory(_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(process_pool, "RETRY_S", 0.0)
+    with monkeypatch.context() as short:
+        short.setattr(process_pool._Slot, "_begin", short_of_memory)
+        with pytest.raises(Interrupted, match="it dies while it starts"):
+            two.submit(10.0, abs, -1).result(SOON_S)
+        two.retry_start()
+        assert two.start_trouble is not None
+
+    def is_over() -> bool:
+        two.retry_start()
+        return two.start_trouble is None
+
+    wait_until(is_over)
+
+
 def test_stopped_processes_are_killed_and_others_take_their_places(two: ProcessPool) -> None:
     pids: set[int] = set()
     while len(pids) < 2:
