@@ -1,5 +1,6 @@
 """Sentences about trains on oil films: which way, how far, what is allowed, what is not determined."""
 
+from service.wording.described_finding import DescribedFinding
 from service.wording.film_words import (
     alignment_judgement,
     alignment_words,
@@ -62,3 +63,19 @@ def test_other_findings_have_their_own_units() -> None:
 
 def test_digits_follow_the_interval() -> None:
     assert [shown(12.345, half) for half in (12.0, 1.24, 0.12)] == ["12 ± 12", "12.3 ± 1.2", "12.35 ± 0.12"]
+
+
+def test_sizes_keep_their_unit_unless_the_reader_asked_for_mils() -> None:
+    """The API gives sizes in the unit that their names say; only who asked for mils gets them."""
+    size = {
+        "name": "coupling.C1.offset_vertical",
+        "unit": "um",
+        "value": -118.0,
+        "lower": -136.0,
+        "upper": -100.0,
+        "members": [],
+    }
+    evidence = {"parts": [size]}
+    assert [one.unit for one in DescribedFinding("misalignment", "coupling.C1", evidence).parts()] == ["um"]
+    (mils,) = DescribedFinding("misalignment", "coupling.C1", evidence, Language("en", "mil")).parts()
+    assert (mils.unit, round(mils.value, 2)) == ("mil", -4.65)
