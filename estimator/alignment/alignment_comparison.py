@@ -7,10 +7,14 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.validation.omitted_forces import largest_score
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.model import UpdatedModel
 
 MICRO = 1e6
+UNLIKELY = 0.05
+"""Chance of calling any offset or angle of a healthy machine changed [-]."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +33,18 @@ class AlignmentComparison:
 
     @property
     def verdict(self) -> str:
-        """Return which offsets and angles have changed for certain, in words."""
+        """Return which offsets and angles have changed for certain, in words.
+
+        Any of them is told of a healthy machine with a chance of 5 % at most, which they share (Bonferroni); the intervals
+        that stand beside are of each by itself.
+        """
         known = [one for one in self.changes if one.value is not None]
         if not known:
             return f"the run does not determine the alignment of {self.coupling}"
-        moved = [f"{describe(one.name).quantity} by {_change(one)}" for one in known if abs(one.value or 0.0) > one.half]
+        several = largest_score(UNLIKELY, len(known)) / CONFIDENCE_95
+        moved = [
+            f"{describe(one.name).quantity} by {_change(one)}" for one in known if abs(one.value or 0.0) > several * one.half
+        ]
         if not moved:
             return f"no change of the alignment of {self.coupling} is certain"
         return f"the alignment of {self.coupling} has changed: {', '.join(moved)}"
