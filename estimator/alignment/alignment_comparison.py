@@ -8,9 +8,11 @@ from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
 from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.identification import Identification
 from estimator.fit.validation.omitted_forces import largest_score
+from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.model import UpdatedModel, updated_model
 
 MICRO = 1e6
 UNLIKELY = 0.05
@@ -64,6 +66,26 @@ class AlignmentComparison:
             yield f"  {load.name:<{width}}  {_signed(load.value, half)} N of {load.before:.4g} N{part}"
 
 
+def compared_identifications(
+    machine: Machine, baseline: Identification, later: Identification, coupling: str
+) -> AlignmentComparison:
+    """Compare a coupling's alignment in one identification with that in another, as command and library do.
+
+    Args:
+        machine: The machine, whose bearings are described by their films.
+        baseline: Its identification while it was healthy.
+        later: A later one.
+        coupling: Id of the coupling.
+
+    Returns:
+        The comparison, with what a static load that both fits doubt does to the loads on films.
+
+    Raises:
+        ValueError: An identification is of another machine, or no elevation of its bearings is identified.
+    """
+    return compared_alignment([updated_model(machine, baseline)], updated_model(machine, later), coupling)
+
+
 def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, coupling: str) -> AlignmentComparison:
     """Compare a coupling's alignment with a baseline (linear mixed model; Laird and Ware 1982).
 
@@ -76,11 +98,14 @@ def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, co
         The comparison.
 
     Raises:
-        ValueError: There is no baseline, it is of another machine, or its coefficients follow no films.
+        ValueError: There is no baseline, it is of another machine, or no elevation of its bearings is identified.
     """
     change = run_change(baseline, later)
     if change is None:
-        raise ValueError("alignment is told only of trains all of whose bearings are described by geometry and oil")
+        raise ValueError(
+            f"changes of alignment follow from elevations of bearings, and none of '{later.machine.id}' is identified: "
+            "describe all of its bearings by geometry and oil"
+        )
     changes = tolerated_changes(later.machine, changed_alignment(change))
     own = tuple(one for one in changes if describe(one.name).element_id == coupling)
     return AlignmentComparison(coupling, own, changed_loads(change))

@@ -263,15 +263,16 @@ def compare(
 
 def _compare_alignment(machine: Path, healthy: "Identification", files: list[Path], coupling: str, *, as_json: bool) -> None:
     """Print by how much a coupling's alignment, and the loads on all films, have changed."""
-    from estimator.alignment.alignment_comparison import compared_alignment
-    from estimator.updated_model.model import model_at
+    from estimator.alignment.alignment_comparison import compared_identifications
     from service.commands.results.alignment_report import alignment_comparison_content
 
     described, _, later = identified(machine, files, None)
     if not later.accepted:
         fail(f"{', '.join(map(str, files))}: {later.verdict}")
-    before, after = (model_at(described, one.coordinates, one.point, one.covariance) for one in (healthy, later))
-    found = compared_alignment([before], after, coupling)
+    try:
+        found = compared_identifications(described, healthy, later, coupling)
+    except ValueError as error:
+        fail(str(error))
     if as_json:
         print_json(alignment_comparison_content(found))
     else:

@@ -11,6 +11,7 @@ from estimator.alignment.alignment_change import alignment_changes
 from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.diagnosis.moving_causes import moving_causes
 from estimator.machine.alignment_rules import HealthyVariation
+from rotorundown.comparison import NotComparable
 from rotorundown.diagnosis import diagnose
 from rotorundown.result import Result
 from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
@@ -70,5 +71,7 @@ def test_a_coupling_on_films_is_compared_in_micrometres_with_the_loads() -> None
     assert parts[1] < -0.05
     assert re.search(rf"bearing.B2.load_vertical .* N, [+]{100.0 * parts[0]:.0f} %$", str(found), re.MULTILINE)
     assert "allowed" in str(found)
+    with pytest.raises(NotComparable, match="is not of machine 'motor-compressor': it lacks"):
+        rd.compare(Result(machine, (), identification(), ()), before.runs[0], coupling="C1")
     same = rd.compare(before, before.runs[0], coupling="C1")
     assert same.verdict == "no change of the alignment of C1 is certain"

@@ -1,15 +1,23 @@
 """Comparison of alignment with a baseline: how often a healthy machine is said to have changed, what cannot be compared."""
 
 import numpy as np
+import pytest
 
 from estimator.alignment.alignment_change import changed_alignment
-from estimator.alignment.alignment_comparison import AlignmentComparison
+from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment, compared_identifications
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import tolerated_changes
+from estimator.fit.identification import Identification
+from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.machine.alignment_rules import HealthyVariation
-from tests.estimator.alignment.drawn_runs import MODEL, drawn_machine, drawn_run, fitted
+from estimator.machine.films import StaticLoad
+from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted
+from tests.estimator.diagnosis.test_film_reference import effects
+from tests.estimator.models import rich_model
+from tests.plant import identification
 
 TRIALS = 60
+FORCE = "static_load.gear.force_y"
 
 
 def healthy(seed: int) -> AlignmentComparison:
@@ -28,3 +36,25 @@ def test_a_healthy_machine_is_seldom_said_to_have_changed_although_four_numbers_
     told = ["has changed" in each.verdict for each in found]
     assert sum(told) <= 0.12 * TRIALS
     assert sum(alone) > 0.15 * TRIALS, "each number by itself at 95 % would have been told too often"
+
+
+def test_a_load_that_both_fits_doubt_moves_the_loads_on_films_with_it() -> None:
+    load = StaticLoad.model_validate({"id": "gear", "shaft": "S1", "station": 0.5, "force_y": 100.0})
+    machine = MODEL.machine.model_copy(update={"static_loads": (load,)})
+    names, covariance = COORDINATES.names, np.diag((0.1 * COORDINATES.unit * COORDINATES.spread) ** 2)
+
+    def fit(*forces: DoubtedForce) -> Identification:
+        common = {"estimates": (), "coordinates": names, "point": MODEL.values, "covariance": covariance}
+        return identification(**common, channel_effects=effects(len(names)), doubted_forces=forces)
+
+    doubted = DoubtedForce(FORCE, 200.0, np.zeros(len(names)))
+    plain, open_load = (compared_identifications(machine, one, one, "C1") for one in (fit(), fit(doubted)))
+    wider = [more.error / less.error for more, less in zip(open_load.loads, plain.loads, strict=True)]
+    assert max(wider) > 1.05
+
+
+def test_models_that_cannot_be_compared_say_why() -> None:
+    with pytest.raises(ValueError, match=r"none of '.*' is identified: describe all of its bearings by geometry and oil"):
+        compared_alignment([rich_model()], rich_model(), "C1")
+    with pytest.raises(ValueError, match="of the same machine"):
+        compared_alignment([rich_model()], MODEL, "C1")
