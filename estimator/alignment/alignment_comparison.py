@@ -7,6 +7,7 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.fit.decimals import decimals
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification
 from estimator.fit.validation.omitted_forces import largest_score
@@ -44,9 +45,7 @@ class AlignmentComparison:
         if not known:
             return f"the run does not determine the alignment of {self.coupling}"
         several = largest_score(UNLIKELY, len(known)) / CONFIDENCE_95
-        moved = [
-            f"{describe(one.name).quantity} by {_change(one)}" for one in known if abs(one.value or 0.0) > several * one.half
-        ]
+        moved = [f"{_words(one.name)} by {_change(one)}" for one in known if abs(one.value or 0.0) > several * one.half]
         if not moved:
             return f"no change of the alignment of {self.coupling} is certain"
         return f"the alignment of {self.coupling} has changed: {', '.join(moved)}"
@@ -111,12 +110,24 @@ def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, co
     return AlignmentComparison(coupling, own, changed_loads(change))
 
 
+def _words(name: str) -> str:
+    """Return an offset or angle as people name it, such as `vertical offset` for `coupling.C1.offset_vertical`."""
+    quantity, _, plane = describe(name).quantity.partition("_")
+    return f"{plane} {quantity}"
+
+
 def _change(one: ToleratedChange) -> str:
     unit = f"µ{one.unit}"
     told = _signed(MICRO * (one.value or 0.0), MICRO * one.half)
-    return f"{told} {unit} ({MICRO * one.allowed:.0f} {unit} allowed, chance of more {100.0 * one.beyond:.0f} %)"
+    return f"{told} {unit} ({MICRO * one.allowed:.0f} {unit} allowed, chance of more {_chance(one.beyond)})"
+
+
+def _chance(value: float) -> str:
+    """Return a chance in per cent: none is certain, and none impossible."""
+    part = 100.0 * value
+    return f"{part:.0f} %" if 1.0 <= part <= 99.0 else "under 1 %" if part < 1.0 else "over 99 %"
 
 
 def _signed(value: float, half: float) -> str:
-    digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 2
+    digits = decimals(half)
     return f"{round(value, digits) + 0.0:+.{digits}f} ± {half:.{digits}f}"

@@ -63,7 +63,7 @@ def test_a_coupling_on_films_is_compared_in_micrometres_with_the_loads() -> None
     found = rd.compare(before, rd.simulate(machine, story="misalignment", run_seed=2), coupling="C1")
     told = found.found
     assert isinstance(told, AlignmentComparison)
-    assert found.verdict.startswith("the alignment of C1 has changed: offset_vertical by -")
+    assert found.verdict.startswith("the alignment of C1 has changed: vertical offset by -")
     assert found.verdict in str(found)
     vertical = {one.name: one for one in told.loads if one.name.endswith("load_vertical")}
     parts = [vertical[f"bearing.{bearing}.load_vertical"].part or 0.0 for bearing in ("B2", "B3")]

@@ -44,8 +44,14 @@ def test_a_load_that_both_fits_doubt_moves_the_loads_on_films_with_it() -> None:
     names, covariance = COORDINATES.names, np.diag((0.1 * COORDINATES.unit * COORDINATES.spread) ** 2)
 
     def fit(*forces: DoubtedForce) -> Identification:
-        common = {"estimates": (), "coordinates": names, "point": MODEL.values, "covariance": covariance}
-        return identification(**common, channel_effects=effects(len(names)), doubted_forces=forces)
+        return identification(
+            estimates=(),
+            coordinates=names,
+            point=MODEL.values,
+            covariance=covariance,
+            channel_effects=effects(len(names)),
+            doubted_forces=forces,
+        )
 
     doubted = DoubtedForce(FORCE, 200.0, np.zeros(len(names)))
     plain, open_load = (compared_identifications(machine, one, one, "C1") for one in (fit(), fit(doubted)))
