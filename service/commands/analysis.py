@@ -95,10 +95,11 @@ def _printed_by_mounting(machine: Path, files: list[Path], sidecar: Path | None,
 
     try:
         described = read_machine(machine)
-        mountings = mounted_runs(described, files, sidecar)
+        mountings, left_out = mounted_runs(described, files, sidecar)
     except (UnreadableFile, Rejected, ValueError):
         return False  # told when they are read as one
     if mountings:
+        _print_left_out(left_out)
         print_mountings(described, mountings, files[0], sidecar, gate=gate, as_json=as_json)
     return bool(mountings)
 
@@ -250,7 +251,8 @@ def compare(
         _compare_alignment(machine, healthy, files, coupling, as_json=as_json)
         return
     try:
-        measurement, _ = read_measurement(described, files)
+        measurement, left_out = read_measurement(described, files)
+        _print_left_out(left_out)
         with threadpoolctl.threadpool_limits(1), working("comparing models"):
             found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
     except (UnreadableFile, Rejected, ValueError) as error:
@@ -339,6 +341,12 @@ def _regress(
         fail(str(error))
 
 
+def _print_left_out(lines: Sequence[str]) -> None:
+    """Print what was left out of runs, and what is doubted of them, beside a command's results."""
+    for line in lines:
+        print_line(line, err=True)
+
+
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
 ) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
@@ -361,8 +369,7 @@ def _runs(
         left_out = [f"{one.name}: read {one.units}" for one in read] + [line for one in read for line in one.left_out]
     else:
         runs, left_out = read_runs(described, files, sidecar)
-    for line in left_out:
-        print_line(line, err=True)
+    _print_left_out(left_out)
     if slow_roll is None:
         return described, runs
     corrected, rest, found = without_slow_roll(described, runs, slow_roll)
