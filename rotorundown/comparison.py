@@ -6,7 +6,7 @@ On oil films it is the alignment in µm that has changed, and the bearings' load
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment
+from estimator.alignment.alignment_comparison import AlignmentComparison, compared_identifications
 from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.identification.model_comparison import ModelComparison, compare_misalignment
@@ -69,7 +69,8 @@ def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupli
         The comparison.
 
     Raises:
-        NotComparable: The baseline, or on oil films the later run, is not accepted, or the machine has no such coupling.
+        NotComparable: The baseline, or on oil films the later run, is not accepted, the machine has no such coupling, or on
+            oil films the two say nothing of its alignment together.
         NotIdentified: The baseline is no result of `identify`.
     """
     require_result(baseline, "the baseline")
@@ -96,4 +97,7 @@ def _on_films(machine: Machine, baseline: Result, runs: Sequence[MachineRun], co
     later = identify(machine, runs)
     if not later.accepted:
         raise NotComparable(f"the later run is not accepted: {later.verdict}")
-    return compared_alignment([baseline.model.updated], later.model.updated, coupling)
+    try:
+        return compared_identifications(machine, baseline.identification, later.identification, coupling)
+    except ValueError as error:
+        raise NotComparable(str(error)) from None

@@ -159,6 +159,7 @@ class RunTable(Struct, frozen=True, eq=False):
         for column in self.columns:
             if (of := _other_gap(column, machine)) is not None:
                 yield f"{name}, column '{column}' left out: give gaps in µm, in a column '{of}{GAP_END}'"
+                continue
             end = next((one for one in (*AMPLITUDE_ENDS, GAP_END) if column.endswith(one)), None)
             channel = "" if end is None else column.removesuffix(end)
             if channel and channel not in machine.channels:

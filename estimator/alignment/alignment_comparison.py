@@ -7,10 +7,17 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
+from estimator.fit.decimals import decimals
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.identification import Identification
+from estimator.fit.validation.omitted_forces import largest_score
+from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.model import UpdatedModel, updated_model
 
 MICRO = 1e6
+UNLIKELY = 0.05
+"""Chance of calling any offset or angle of a healthy machine changed [-]."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +36,16 @@ class AlignmentComparison:
 
     @property
     def verdict(self) -> str:
-        """Return which offsets and angles have changed for certain, in words."""
+        """Return which offsets and angles have changed for certain, in words.
+
+        Any of them is told of a healthy machine with a chance of 5 % at most, which they share (Bonferroni); the intervals
+        that stand beside are of each by itself.
+        """
         known = [one for one in self.changes if one.value is not None]
         if not known:
             return f"the run does not determine the alignment of {self.coupling}"
-        moved = [f"{describe(one.name).quantity} by {_change(one)}" for one in known if abs(one.value or 0.0) > one.half]
+        several = largest_score(UNLIKELY, len(known)) / CONFIDENCE_95
+        moved = [f"{_words(one.name)} by {_change(one)}" for one in known if abs(one.value or 0.0) > several * one.half]
         if not moved:
             return f"no change of the alignment of {self.coupling} is certain"
         return f"the alignment of {self.coupling} has changed: {', '.join(moved)}"
@@ -53,6 +65,26 @@ class AlignmentComparison:
             yield f"  {load.name:<{width}}  {_signed(load.value, half)} N of {load.before:.4g} N{part}"
 
 
+def compared_identifications(
+    machine: Machine, baseline: Identification, later: Identification, coupling: str
+) -> AlignmentComparison:
+    """Compare a coupling's alignment in one identification with that in another, as command and library do.
+
+    Args:
+        machine: The machine, whose bearings are described by their films.
+        baseline: Its identification while it was healthy.
+        later: A later one.
+        coupling: Id of the coupling.
+
+    Returns:
+        The comparison, with what a static load that both fits doubt does to the loads on films.
+
+    Raises:
+        ValueError: An identification is of another machine, or no elevation of its bearings is identified.
+    """
+    return compared_alignment([updated_model(machine, baseline)], updated_model(machine, later), coupling)
+
+
 def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, coupling: str) -> AlignmentComparison:
     """Compare a coupling's alignment with a baseline (linear mixed model; Laird and Ware 1982).
 
@@ -65,22 +97,37 @@ def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, co
         The comparison.
 
     Raises:
-        ValueError: There is no baseline, it is of another machine, or its coefficients follow no films.
+        ValueError: There is no baseline, it is of another machine, or no elevation of its bearings is identified.
     """
     change = run_change(baseline, later)
     if change is None:
-        raise ValueError("alignment is told only of trains all of whose bearings are described by geometry and oil")
+        raise ValueError(
+            f"changes of alignment follow from elevations of bearings, and none of '{later.machine.id}' is identified: "
+            "describe all of its bearings by geometry and oil"
+        )
     changes = tolerated_changes(later.machine, changed_alignment(change))
     own = tuple(one for one in changes if describe(one.name).element_id == coupling)
     return AlignmentComparison(coupling, own, changed_loads(change))
 
 
+def _words(name: str) -> str:
+    """Return an offset or angle as people name it, such as `vertical offset` for `coupling.C1.offset_vertical`."""
+    quantity, _, plane = describe(name).quantity.partition("_")
+    return f"{plane} {quantity}"
+
+
 def _change(one: ToleratedChange) -> str:
     unit = f"µ{one.unit}"
     told = _signed(MICRO * (one.value or 0.0), MICRO * one.half)
-    return f"{told} {unit} ({MICRO * one.allowed:.0f} {unit} allowed, chance of more {100.0 * one.beyond:.0f} %)"
+    return f"{told} {unit} ({MICRO * one.allowed:.0f} {unit} allowed, chance of more {_chance(one.beyond)})"
+
+
+def _chance(value: float) -> str:
+    """Return a chance in per cent: none is certain, and none impossible."""
+    part = 100.0 * value
+    return f"{part:.0f} %" if 1.0 <= part <= 99.0 else "under 1 %" if part < 1.0 else "over 99 %"
 
 
 def _signed(value: float, half: float) -> str:
-    digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 2
+    digits = decimals(half)
     return f"{round(value, digits) + 0.0:+.{digits}f} ± {half:.{digits}f}"

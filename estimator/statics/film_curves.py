@@ -83,6 +83,8 @@ class FilmCurves:
         Returns:
             Derivatives (S, 8n) [SI], at t = 0; the viscosity stays at the geometric mean of the lowest and the highest speed.
         """
+        if self._between is not None:
+            return self._between.viscosity_trend(fitted)
         place = np.log(self._films.nominal.speed)
         by_viscosity = self._films.slopes(fitted)[:, :, self._films.viscosities].sum(axis=2)
         return np.asarray(self._weight @ ((place.mean() - place)[:, None] * by_viscosity))
@@ -96,6 +98,8 @@ class FilmCurves:
         Returns:
             Derivatives (S, 8n, 2m) by the components along x and y of each load [SI per N].
         """
+        if self._between is not None:
+            return self._between.by_load(fitted)
         return np.asarray(np.tensordot(self._weight, self._films.by_load(fitted), 1))
 
     def tilted(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.statics.film_sensitivity import coefficient_slopes
+from estimator.statics.film_sensitivity import PARAMETERS, coefficient_slopes
 from estimator.statics.solved_films import SolvedFilms, film_rows
 
 
@@ -67,15 +67,52 @@ class FilmsBetween:
         Returns:
             Derivatives (s, 8n, P) by the P own ones [SI]; NaN where a film is too thin.
         """
+        found = self._by_parameters(fitted, block)
+        if found is None:
+            return np.full((self._speed[block].size, self._films.count, self._films.own.count), np.nan)
+        return self._films.own.by_fitted(found, speed=self._speed[block])
+
+    def by_load(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the films' own coefficients by the static loads of the document.
+
+        Args:
+            fitted: Fitted numbers (...), the own ones first [-].
+
+        Returns:
+            Derivatives (S, 8n, 2m) by the components along x and y of each load [SI per N]; NaN where a film is too thin.
+        """
+        found, count = self._by_parameters(fitted, slice(None)), 2 * len(self._films.own.loads)
+        if found is None:
+            return np.full((self._speed.size, self._films.count, count), np.nan)
+        first = len(PARAMETERS) * len(self._films.own.forms)
+        return found[..., first : first + count]
+
+    def viscosity_trend(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the films' own coefficients by an exponent t of all viscosities, as `FilmCurves` does.
+
+        A journal's place at a speed follows from the viscosity at that speed alone.
+
+        Args:
+            fitted: Fitted numbers (...), the own ones first [-].
+
+        Returns:
+            Derivatives (S, 8n) [SI], at t = 0; NaN where a film is too thin.
+        """
+        thicker = np.log(self._films.nominal.speed).mean() - np.log(self._speed)
+        by_viscosity = self.slopes(fitted, slice(None))[:, :, self._films.viscosities].sum(axis=2)
+        return np.asarray(thicker[:, None] * by_viscosity)
+
+    def _by_parameters(self, fitted: Floats, block: slice) -> Floats | None:
+        """Return derivatives (s, 8n, 4n + 2m + C) by the parameters of `FilmSensitivity`; None where a film is too thin."""
         there, moved = self._there(fitted), self._films.sensitivity(fitted)
         if there is None or moved is None:
-            return np.full((self._speed[block].size, self._films.count, self._films.own.count), np.nan)
+            return None
         position, place = np.tensordot(self._weight[block], moved.position, 1), there.position[block]
         stiffness, damping = (
             coefficient_slopes(value[block], slope[block], place=place, position=position)
             for value, slope in ((there.stiffness, there.stiffness_slope), (there.damping, there.damping_slope))
         )
-        return self._films.own.by_fitted(np.moveaxis(film_rows(stiffness, damping), 1, -1), speed=self._speed[block])
+        return np.moveaxis(film_rows(stiffness, damping), 1, -1)
 
     def _there(self, fitted: Floats) -> _FilmsThere | None:
         key, known = self._films.own.of(fitted).tobytes(), self._last

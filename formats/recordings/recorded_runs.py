@@ -53,12 +53,17 @@ def read_calibration_runs(machine: Machine, files: Sequence[Path]) -> tuple[list
     return runs, [fault for one in found for fault in one.faults]
 
 
-def read_mountings(machine: Machine, file: Path, sidecar: Path | None = None) -> list[tuple[str, RecordedRun, Measurement]]:
-    """Return name, samples as recorded and as a measurement of each mounting in a file; raises as `read_runs`."""
+def read_mountings(
+    machine: Machine, file: Path, sidecar: Path | None = None
+) -> tuple[list[tuple[str, RecordedRun, Measurement]], list[str]]:
+    """Return name, samples as recorded and as a measurement of each mounting in a file, with descriptions of omitted rows.
+
+    Raises as `read_runs`.
+    """
     read = _read(machine, file, sidecar)
     names = np.array(read.circumstances.mounting)[read.taken]
     parts = [(name, names == name) for name in dict.fromkeys(names.tolist())]
-    return [(name, read.recorded.pick(which), read.measurement.pick(which)) for name, which in parts]
+    return [(name, read.recorded.pick(which), read.measurement.pick(which)) for name, which in parts], read.faults
 
 
 class _ReadRun(Struct, frozen=True, eq=False):

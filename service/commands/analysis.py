@@ -95,10 +95,11 @@ def _printed_by_mounting(machine: Path, files: list[Path], sidecar: Path | None,
 
     try:
         described = read_machine(machine)
-        mountings = mounted_runs(described, files, sidecar)
+        mountings, left_out = mounted_runs(described, files, sidecar)
     except (UnreadableFile, Rejected, ValueError):
         return False  # told when they are read as one
     if mountings:
+        _print_left_out(left_out)
         print_mountings(described, mountings, files[0], sidecar, gate=gate, as_json=as_json)
     return bool(mountings)
 
@@ -250,7 +251,8 @@ def compare(
         _compare_alignment(machine, healthy, files, coupling, as_json=as_json)
         return
     try:
-        measurement, _ = read_measurement(described, files)
+        measurement, left_out = read_measurement(described, files)
+        _print_left_out(left_out)
         with threadpoolctl.threadpool_limits(1), working("comparing models"):
             found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
     except (UnreadableFile, Rejected, ValueError) as error:
@@ -263,15 +265,16 @@ def compare(
 
 def _compare_alignment(machine: Path, healthy: "Identification", files: list[Path], coupling: str, *, as_json: bool) -> None:
     """Print by how much a coupling's alignment, and the loads on all films, have changed."""
-    from estimator.alignment.alignment_comparison import compared_alignment
-    from estimator.updated_model.model import model_at
+    from estimator.alignment.alignment_comparison import compared_identifications
     from service.commands.results.alignment_report import alignment_comparison_content
 
     described, _, later = identified(machine, files, None)
     if not later.accepted:
         fail(f"{', '.join(map(str, files))}: {later.verdict}")
-    before, after = (model_at(described, one.coordinates, one.point, one.covariance) for one in (healthy, later))
-    found = compared_alignment([before], after, coupling)
+    try:
+        found = compared_identifications(described, healthy, later, coupling)
+    except ValueError as error:
+        fail(str(error))
     if as_json:
         print_json(alignment_comparison_content(found))
     else:
@@ -338,6 +341,12 @@ def _regress(
         fail(str(error))
 
 
+def _print_left_out(lines: Sequence[str]) -> None:
+    """Print what was left out of runs, and what is doubted of them, beside a command's results."""
+    for line in lines:
+        print_line(line, err=True)
+
+
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
 ) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
@@ -360,8 +369,7 @@ def _runs(
         left_out = [f"{one.name}: read {one.units}" for one in read] + [line for one in read for line in one.left_out]
     else:
         runs, left_out = read_runs(described, files, sidecar)
-    for line in left_out:
-        print_line(line, err=True)
+    _print_left_out(left_out)
     if slow_roll is None:
         return described, runs
     corrected, rest, found = without_slow_roll(described, runs, slow_roll)

@@ -16,8 +16,12 @@ if TYPE_CHECKING:
     from rotorundown.runs import MachineRun
 
 
-def mounted_runs(machine: "Machine", files: Sequence[Path], sidecar: Path | None) -> "dict[str, list[MachineRun]]":
-    """Return the runs of each mounting, of a calibrated machine whose sidecar tells several apart; else none.
+def mounted_runs(
+    machine: "Machine", files: Sequence[Path], sidecar: Path | None
+) -> "tuple[dict[str, list[MachineRun]], list[str]]":
+    """Return the runs of each mounting and what was left out, of a calibrated machine whose sidecar tells several apart.
+
+    Else there are none.
 
     Each mounting has an unbalance of its own, which one fit of all of them would take for the same. Raises UnreadableFile,
     Rejected.
@@ -28,12 +32,15 @@ def mounted_runs(machine: "Machine", files: Sequence[Path], sidecar: Path | None
 
     described = all((sidecar or sidecar_of(file)).is_file() for file in files)
     if machine.calibration is None or not described:
-        return {}
+        return {}, []
     found: dict[str, list[MachineRun]] = {}
+    left_out: list[str] = []
     for file in files:
-        for name, recorded, measurement in read_mountings(machine, file, sidecar):
+        parts, faults = read_mountings(machine, file, sidecar)
+        left_out += faults
+        for name, recorded, measurement in parts:
             found.setdefault(name, []).append(MachineRun(name, machine.channels, recorded, measurement))
-    return found if len(found) > len(files) else {}
+    return (found, left_out) if len(found) > len(files) else ({}, [])
 
 
 def stated_scale(machine: "Machine", file: Path, sidecar: Path | None) -> "tuple[DiscScale, int]":

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import scipy.special
 
+from estimator.fit.decimals import decimals
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
 from service.wording.language import ENGLISH, Language
@@ -64,7 +65,7 @@ def wear_words(q: Numbers, language: Language = ENGLISH) -> str:
 
 def shown(value: float, half: float, language: Language = ENGLISH) -> str:
     """Return a value with the half width of its interval, both to the digit that the half width has two of."""
-    digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 3 if 0.0 < half < 0.02 else 2
+    digits = decimals(half)
     return language.digits(f"{value:.{digits}f} ± {half:.{digits}f}")
 
 

@@ -11,6 +11,7 @@ from estimator.alignment.alignment_change import alignment_changes
 from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.diagnosis.moving_causes import moving_causes
 from estimator.machine.alignment_rules import HealthyVariation
+from rotorundown.comparison import NotComparable
 from rotorundown.diagnosis import diagnose
 from rotorundown.result import Result
 from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
@@ -62,7 +63,7 @@ def test_a_coupling_on_films_is_compared_in_micrometres_with_the_loads() -> None
     found = rd.compare(before, rd.simulate(machine, story="misalignment", run_seed=2), coupling="C1")
     told = found.found
     assert isinstance(told, AlignmentComparison)
-    assert found.verdict.startswith("the alignment of C1 has changed: offset_vertical by -")
+    assert found.verdict.startswith("the alignment of C1 has changed: vertical offset by -")
     assert found.verdict in str(found)
     vertical = {one.name: one for one in told.loads if one.name.endswith("load_vertical")}
     parts = [vertical[f"bearing.{bearing}.load_vertical"].part or 0.0 for bearing in ("B2", "B3")]
@@ -70,5 +71,7 @@ def test_a_coupling_on_films_is_compared_in_micrometres_with_the_loads() -> None
     assert parts[1] < -0.05
     assert re.search(rf"bearing.B2.load_vertical .* N, [+]{100.0 * parts[0]:.0f} %$", str(found), re.MULTILINE)
     assert "allowed" in str(found)
+    with pytest.raises(NotComparable, match="is not of machine 'motor-compressor': it lacks"):
+        rd.compare(Result(machine, (), identification(), ()), before.runs[0], coupling="C1")
     same = rd.compare(before, before.runs[0], coupling="C1")
     assert same.verdict == "no change of the alignment of C1 is certain"

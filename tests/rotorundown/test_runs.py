@@ -47,6 +47,9 @@ def test_gaps_of_a_data_frame_are_the_shafts_places(pump: Machine, run: rd.Machi
     np.testing.assert_allclose(read.measurement.gaps.place[:, 0], -1e-6 * gap)
     assert not np.isfinite(read.measurement.gaps.place[:, 1:]).any()
     assert read.left_out == (f"run, column '{second}_gap' left out: give gaps in µm, in a column '{second}_gap_um'",)
+    small = rd.read_run(table(run) | {f"{first.lower()}_gap_um": gap}, machine=machine)
+    column = f"{first.lower()}_gap_um"
+    assert small.left_out == (f"run, column '{column}' left out: give gaps in µm, in a column '{first}_gap_um'",)
     undescribed = rd.read_run(frame, machine=pump)
     assert undescribed.measurement.gaps is None
     assert any("gaps need the document's `gap_grows`" in one for one in undescribed.left_out)

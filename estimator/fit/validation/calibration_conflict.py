@@ -58,7 +58,7 @@ class CalibrationConflict(Struct, frozen=True):
 
     @property
     def inflation(self) -> float:
-        """Return the factor on the fit's covariance, 1 where chance explains the misfit, but for a doubted chain [-]."""
+        """Return the factor on the covariance, 1 where chance explains the misfit apart from that of a doubted chain [-]."""
         chi_square, freedom = self.chi_square, self.freedom
         if self.doubted is not None:
             chi_square, freedom = chi_square - self.doubted.fall, max(1, freedom - 2)

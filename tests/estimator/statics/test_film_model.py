@@ -49,9 +49,9 @@ def test_coefficients_are_those_of_the_equilibria_between_the_speeds_that_are_so
             assert np.max(np.abs(row[:, part] - exact[:, part]) / largest) < 5e-4
 
 
-def lobed_model() -> FilmModel:
+def lobed_model(**more: Any) -> FilmModel:
     """The model of the same train in three-lobe bores, whose journals pass a lobe's centre of curvature."""
-    model = film_model(parse_machine(document(discrepancy=0.0)))
+    model = film_model(parse_machine(document(discrepancy=0.0) | more))
     film = Film(three_lobe(preload=0.4), 0.5, table=coarse_table)
     lobed = {"profile": "three_lobe", "preload": 0.4}
     bearings = tuple(replace(one, film=film, said=one.said.model_copy(update=lobed)) for one in model.own.train.bearings)
@@ -74,6 +74,25 @@ def test_coefficients_follow_a_film_that_turns_sharply_between_the_speeds_that_a
         step = 1e-4 * np.eye(fitted.size)[place]
         difference = (curves.values(fitted + step) - curves.values(fitted - step))[::5] / 2e-4
         np.testing.assert_allclose(slopes[:, :, place] / size, difference / size, atol=2e-4)
+
+
+def test_loads_and_warming_move_a_film_that_turns_sharply_as_differences_do() -> None:
+    disc = document()["discs"][0]
+    load = {"id": "gear", "shaft": disc["shaft"], "station": disc["station"], "force_y": -500.0}
+    exact = lobed_model(static_loads=[load])
+    free = lobed_model(static_loads=[load | {"force_x_spread": 800.0, "force_y_spread": 800.0}])
+    names = [one.name for one in free.numbers]
+    fitted = np.array([one.centre for one in free.numbers])
+    curves, by_load = free.at(SPEED), exact.at(SPEED).by_load(np.array([one.centre for one in exact.numbers]))
+    for component, axis in enumerate("xy"):
+        step = np.zeros(fitted.size)
+        step[names.index(f"static_load.gear.force_{axis}")] = 1e-4
+        difference = (curves.values(fitted + step) - curves.values(fitted - step)) / 2e-4 / 800.0
+        np.testing.assert_allclose(by_load[..., component], difference, atol=1e-3 * np.abs(difference).max())
+    thicker = 1e-4 * np.array([one.quantity == "viscosity" for one in free.numbers])
+    by_viscosity = (curves.values(fitted + thicker) - curves.values(fitted - thicker)) / 2e-4
+    due = (np.log(free.nominal.speed).mean() - np.log(SPEED))[:, None] * by_viscosity
+    np.testing.assert_allclose(curves.viscosity_trend(fitted), due, atol=1e-3 * np.abs(due).max())
 
 
 @pytest.mark.parametrize("discrepancy", [0.0, 0.05])

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from typer.testing import CliRunner
 
 from formats.files.document_files import read_machine
+from service.commands.app import app
 from tests.paths import EXAMPLES
 from tests.service.commands.command_line import run
 
@@ -84,6 +86,17 @@ def test_each_mounting_of_a_later_file_has_an_unbalance_of_its_own(calibrated: t
         for disc, (size, angle) in zip(one["unbalance_since_calibration"], put_on[one["mounting"]], strict=True):
             said = disc["g_mm"] * np.exp(1j * np.radians(disc["scale_deg"]))
             assert abs(said - size * np.exp(1j * np.radians(angle))) < 3.5 * disc["standard_error_g_mm"]
+
+
+def test_what_is_left_out_of_a_file_of_several_mountings_is_said(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+    later = only(recording(tmp_path, "later", held=False, added_unbalance=None), "A013", "B009")
+    header, first, *rows = Path(later).read_text().splitlines()
+    spoilt = first.split(",")
+    spoilt[header.split(",").index("p1x_raw_re_mil")] = "1e9"
+    Path(later).write_text("\n".join([header, ",".join(spoilt), first, *rows]) + "\n")
+    ended = CliRunner().invoke(app, ["identify", str(calibrated[1]), later])
+    assert "2 mountings, each identified by itself" in ended.output
+    assert ended.stderr.startswith(f"{later}, row 1"), ended.stderr
 
 
 def test_a_later_table_without_a_sidecar_is_told_from_the_mark(calibrated: tuple[str, Path], tmp_path: Path) -> None:

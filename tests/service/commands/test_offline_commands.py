@@ -190,6 +190,14 @@ def test_views_of_misalignment_are_compared(healthy: str, tmp_path: Path) -> Non
     assert "there are C1" in run("compare", DOCUMENT, healthy, later, "--coupling", "C7", status=1)
 
 
+def test_what_is_left_out_of_a_compared_run_is_said(healthy: str, tmp_path: Path) -> None:
+    phasor = of(chapter_3_document(), seed=3)
+    phasor[4, 0] = 1e3
+    later = recorded(tmp_path, "later", phasor)
+    text = run("compare", DOCUMENT, healthy, later, "--coupling", "C1")
+    assert f"{later}, row 5" in text
+
+
 def test_a_fit_that_is_refused_has_no_model(tmp_path: Path) -> None:
     document = chapter_3_document()
     document["discs"][1]["mass"] *= 1.5

@@ -38,14 +38,16 @@ def test_a_comparison_tells_what_has_moved_and_which_loads_in_words_and_as_json(
     unknown = ToleratedChange("coupling.C1.angle_vertical", "rad", None, 0.0, 400e-6, 0.0, "the prior alone")
     load = LoadChange("bearing.B2.load_vertical", value=420.0, error=30.0, before=6000.0, carried=6010.0)
     across = LoadChange("bearing.B2.load_horizontal", value=-0.2, error=10.0, before=50.0, carried=6010.0)
-    found = AlignmentComparison("C1", (moved_by, unknown), (load, across))
-    change = "-118 ± 18 µm (50 µm allowed, chance of more 100 %)"
-    assert found.verdict == f"the alignment of C1 has changed: offset_vertical by {change}"
+    little = LoadChange("bearing.B3.load_horizontal", value=-0.2, error=0.002, before=50.0, carried=6010.0)
+    found = AlignmentComparison("C1", (moved_by, unknown), (load, across, little))
+    change = "-118 ± 18 µm (50 µm allowed, chance of more over 99 %)"
+    assert found.verdict == f"the alignment of C1 has changed: vertical offset by {change}"
     assert list(found.lines()) == [
         f"  coupling.C1.offset_vertical  {change}",
         "  coupling.C1.angle_vertical   not determined: the prior alone",
         "  bearing.B2.load_vertical     +420 ± 59 N of 6000 N, +7 %",
         "  bearing.B2.load_horizontal   +0 ± 20 N of 50 N",
+        "  bearing.B3.load_horizontal   -0.200 ± 0.004 N of 50 N",
     ]
     said = alignment_comparison_content(found)
     assert said["changes"][1]["change"] is None
