@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from tests.film_plant.arrays import Booleans, Floats
+from tests.film_plant.arrays import Booleans, Floats, Indices
 from tests.film_plant.profile import Pad, Profile, thickness
 
 Field = Callable[[Pad, Floats], Floats]
@@ -89,10 +89,9 @@ class FilmSolver:
         wedge = self._columns(-6.0 * (film.exit - film.entry))
         pressure, active = self._complementary(flow, wedge, start)
         inside = np.flatnonzero(active)
-        factor = splu(flow[inside][:, inside].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
         sources = np.stack([*self._displaced(film, pressure), *self._moving()], axis=1)
         change = np.zeros((active.size, 4))
-        change[inside] = factor.solve(sources[inside])
+        change[inside] = _solved(flow, inside, sources)
         forces = self._force(change)
         return Film(self._force(pressure), -forces[:, :2], -forces[:, 2:], active.reshape(-1, self.along))
 
@@ -149,8 +148,7 @@ class FilmSolver:
         for _ in range(MOST_CHANGES):
             inside = np.flatnonzero(active)
             pressure[:] = 0.0
-            factor = splu(flow[inside][:, inside].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-            pressure[inside] = factor.solve(wedge[inside])
+            pressure[inside] = _solved(flow, inside, wedge)
             if not self.rupture:
                 return pressure, active
             new = np.where(active, pressure > 0.0, wedge - flow @ pressure > 0.0)
@@ -189,3 +187,14 @@ class FilmSolver:
 def _approach(direction: float, _: Pad, angle: Floats) -> Floats:
     """Change of the film's thickness when the journal moves in a direction [rad]."""
     return np.asarray(-np.cos(angle - direction))
+
+
+def _solved(flow: sp.csr_array, inside: Indices, sources: Floats) -> Floats:
+    """Pressures in some cells (n, …) that balance sources in all (cells, …); the others' are zero."""
+    if not inside.size:
+        return sources[inside]
+    # Cells are numbered along first: the matrix is a narrow band as it stands.
+    factor = splu(
+        flow[inside][:, inside].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    return np.asarray(factor.solve(sources[inside]))

@@ -106,15 +106,30 @@ def carrying(solver: FilmSolver, load: float, start: tuple[float, float]) -> tup
 @pytest.mark.parametrize("name", PROFILES)
 def test_tables_hold_between_their_nodes(name: str) -> None:
     profile, rng = PROFILES[name], np.random.default_rng(0)
-    kept, solver = table(name, 0.5), FilmSolver(profile, 0.5, around=720, along=20)
-    limit = 0.005 if profile.round else 0.03
-    for _ in range(6):
-        direction = rng.uniform(-np.pi / 2 - 0.2, 0.1)
-        place = rng.uniform(0.1, 0.9) * reach(profile, np.array([direction]))[0] * at(1.0, direction)
+    around, along = (720, 20) if profile.round else (360 * len(profile.pads), 24)
+    kept, solver = table(name, 0.5), FilmSolver(profile, 0.5, around=around, along=along)
+    directions = rng.uniform(-np.pi / 2 - 0.2, 0.1, 3)
+    places = [rng.uniform(0.1, 0.9) * reach(profile, np.array([one]))[0] * at(1.0, one) for one in directions]
+    if len(profile.pads) > 2:
+        # Around the centre of curvature of a lobe, opposite to it, its film turns with the journal's direction.
+        upper = max(profile.pads, key=lambda pad: np.sin(pad.direction))
+        places += [at(-upper.preload, upper.direction) + at(0.03, one) for one in (0.5, 2.6)]
+    for place in places:
         found, due = kept.at(place), solver.solve(place)
-        for quantity in ("force", "stiffness", "damping"):
+        # Between nodes damping of a four-lobe bore was found off by up to 1.4 %, stiffness by 0.4 %.
+        for quantity, limit in (("force", 0.003), ("stiffness", 0.005), ("damping", 0.015)):
             one, other = getattr(found, quantity), getattr(due, quantity)
             assert np.abs(one - other).max() < limit * np.abs(other).max(), (quantity, place)
+
+
+@pytest.mark.parametrize("name", ["elliptical", "four_lobe"])
+def test_a_bore_of_pads_is_refused_where_its_table_ends(name: str) -> None:
+    low = -np.pi / 2 if name == "elliptical" else -np.pi / 4
+    far = reach(PROFILES[name], np.array([low]))[0]
+    assert table(name, 0.5).way(0.95 * far * at(1.0, low)) == pytest.approx(0.95)
+    assert np.isfinite(table(name, 0.5).at(0.95 * far * at(1.0, low)).stiffness).all()
+    with pytest.raises(ValueError, match=r"eccentricity in a pad, 0\.99., is above 0\.982"):
+        table(name, 0.5).at(0.99 * far * at(1.0, low))
 
 
 def test_a_round_table_has_no_direction_of_its_own() -> None:
