@@ -242,11 +242,14 @@ class CorrectionOut(BaseModel):
 
 
 class CheckedChannelOut(BaseModel):
-    """Largest vibration of a channel in the check run, and whether the promise for it was kept."""
+    """Largest vibration of a channel in the check run, and whether the prediction for the weights that were on was kept."""
 
     channel: str
     check_um_pp: float | None
-    kept: bool | None
+    upper_um_pp: float | None = Field(
+        default=None, description="95 % bound predicted for the weights that were on; null for a check run of an older release"
+    )
+    kept: bool | None = Field(description="whether the check run lies below it")
 
 
 class CheckedVector(PredictedVector):
@@ -264,6 +267,11 @@ class CheckOut(BaseModel):
     weights: list[WeightOut] | None = Field(description="null: those that were proposed")
     points: int
     points_kept: int
+    other_weights: bool | None = Field(
+        default=None,
+        description="whether the weights that were on differ from those proposed by more than a tenth, so that the promise of "
+        "the correction is not for them; null for a check run of an older release",
+    )
     channels: list[CheckedChannelOut]
     limit_met: bool | None
     residual: list[CheckedPlaneOut]

@@ -12,10 +12,11 @@ from estimator.calibration.calibrated_document import calibrated_document
 from estimator.machine.calibration import Calibration
 from estimator.machine.document import parse_machine
 from service.alerts import transitions
-from service.alerts.transitions import AlertFinding
+from service.alerts.transitions import AlertFinding, Person
 from service.api.cache.model_process import ModelProcess
 from service.api.machines import balancings
 from service.balancing.stored_runs import balancing_run
+from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import machines, timeline
 from storage.measurements import runs
@@ -121,8 +122,13 @@ def test_a_check_run_without_the_weights_shows_more_than_was_promised(store: Dat
     run = add_run(store, {}, number=9)
     checked = api("POST", f"{PATH}/{begun}/check", json={"run": run, "by": "Ada"})
     assert [one["kept"] for one in checked["check"]["channels"]][1:] == [False, False]
-    again = api("POST", f"{PATH}/{begun}/check", json={"run": run, "weights": [], "by": "Ada"})
-    assert all(one["kept"] for one in again["check"]["channels"]), "said rightly, it is as predicted"
+    assert checked["check"]["other_weights"] is False
+    promised = {one["channel"]: one["upper_um_pp"] for one in checked["correction"]["channels"]}
+    assert {one["channel"]: one["upper_um_pp"] for one in checked["check"]["channels"]} == pytest.approx(promised)
+    again = api("POST", f"{PATH}/{begun}/check", json={"run": run, "weights": [], "by": "Ada"})["check"]
+    assert all(one["kept"] for one in again["channels"]), "said rightly, it is as predicted"
+    assert again["other_weights"] is True
+    assert all(one["upper_um_pp"] > one["check_um_pp"] for one in again["channels"])
 
 
 def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong(
@@ -141,6 +147,21 @@ def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong
     told = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
     assert told.startswith("mend C1 first, no masses are proposed while something else is wrong: alert ")
     assert told.endswith("alert 3: misalignment of coupling C1")
+
+
+@pytest.mark.parametrize("latching", [False, True])
+def test_an_alert_whose_cause_is_gone_holds_no_masses_back(store: Database, api: Api, begun: int, latching: bool) -> None:
+    with store.transaction() as session:
+        row = store_identification(session, identification({"coupling.C1.kxx": 1.0}), run_id=1)
+        finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=latching)
+        alert = transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+        transitions.acknowledge(session, alert, Person("Ben"))
+    assert "mend C1 first" in api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
+    with store.transaction() as session:
+        (alert,) = alerts.open_alerts(session, KEY.machine)
+        transitions.clear_alert(session, alert)
+        assert alert.condition == ("latched_acknowledged" if latching else "normal")
+    assert api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["state"] == "proposed"
 
 
 def test_the_model_of_an_identification_is_used_where_it_predicts_better(store: Database, api: Api, begun: int) -> None:
