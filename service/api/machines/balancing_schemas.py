@@ -4,7 +4,7 @@ import math
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
@@ -56,15 +56,31 @@ class WeightIn(StrictModel):
         return self.amount * KILOGRAMS[self.unit] * 1e-3 * self.radius_mm / GRAM_MILLIMETRE
 
 
+EXAMPLE = '[{"disc": "D1", "amount": 48, "unit": "g mm", "angle_deg": 90}]'
+
+
 def _listed(value: object) -> object:
-    """Return what stands for a list of weights. Raises ValueError for what is none."""
+    """Return what stands for a list of weights. Raises ValueError for what is none, such as None where it is missing."""
     if not isinstance(value, list):
-        example = '[{"disc": "D1", "amount": 48, "unit": "g mm", "angle_deg": 90}]'
-        raise ValueError(f"weights are a list such as {example}; `[]` where there was none")
+        raise ValueError(f"weights are a list such as {EXAMPLE}; `[]` where there was none")
+    return value
+
+
+def _loaded(value: object) -> object:
+    """Return what stands for a list of weights that holds one. Raises ValueError for what is none."""
+    if not isinstance(value, list) or not value:
+        raise ValueError(
+            f"a trial run needs the weights that were on, a list such as {EXAMPLE}; a run without any is an initial one"
+        )
     return value
 
 
 Weights = Annotated[list[WeightIn], BeforeValidator(_listed), Field(max_length=100)]
+
+
+def required(*names: str) -> ConfigDict:
+    """Return the settings of a request whose fields of these names are required, though a validator words their absence."""
+    return ConfigDict(json_schema_extra={"required": list(names)})
 
 
 class BalancingIn(StrictModel):
@@ -82,8 +98,12 @@ class BalancingIn(StrictModel):
 class TrialIn(StrictModel):
     """A run with trial weights: all that was on, also what an earlier trial left."""
 
+    model_config = required("run", "weights", "by")
+
     run: RunNumber
-    weights: Annotated[list[WeightIn], BeforeValidator(_listed), Field(min_length=1, max_length=100)]
+    weights: Annotated[list[WeightIn], BeforeValidator(_loaded), Field(min_length=1, max_length=100)] = Field(
+        default=None, validate_default=True
+    )
     by: Author
 
 

@@ -220,6 +220,39 @@ def test_a_weight_in_a_wrong_unit_is_named_before_the_next_run_is_made(store: Da
     assert api("GET", here)["trials"] == []
 
 
+@pytest.mark.parametrize("said", [{}, {"weights": None}, {"weights": []}, {"weights": "none"}])
+def test_a_trial_without_its_weight_is_told_what_to_state(api: Api, begun: int, said: dict[str, Any]) -> None:
+    answer = api("POST", f"{PATH}/{begun}/trials", 422, json={"run": 1, "by": "Ada"} | said)
+    ((where, told),) = [(one["field"], one["message"]) for one in answer["errors"]]
+    assert where == "weights"
+    assert "a trial run needs the weights that were on, a list such as [{" in told
+    misspelt = api("POST", f"{PATH}/{begun}/trials", 422, json={"run": 1, "by": "Ada", "weight": WEIGHTS["D1"]})
+    assert any("weights" in one["message"] and one["field"] == "weight" for one in misspelt["errors"])
+
+
+def test_a_trial_that_can_tell_nothing_is_refused_before_the_next_run_is_made(store: Database, api: Api, begun: int) -> None:
+    """Otherwise the balancing could not go on: a trial is not taken back."""
+    opposite = [WEIGHTS["D1"][0], WEIGHTS["D1"][0] | {"angle_deg": 180.0}]
+    body = {"run": add_run(store, {}, number=8), "weights": opposite, "by": "Ada"}
+    assert "its weights cancel each other" in api("POST", f"{PATH}/{begun}/trials", 422, json=body)["detail"]
+    copy = {"run": add_run(store, {"D1": TRIALS["D1"]}, number=2), "weights": WEIGHTS["D1"], "by": "Ada"}
+    told = api("POST", f"{PATH}/{begun}/trials", 422, json=copy)["detail"]
+    assert "hold the same vectors: one is a copy of the other" in told
+    assert len(api("GET", f"{PATH}/{begun}")["trials"]) == 2
+
+
+def test_a_check_with_the_weights_of_another_unit_or_with_a_run_that_came_before_is_refused(
+    store: Database, api: Api, begun: int
+) -> None:
+    proposed = api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})
+    heavy = [WEIGHTS["D1"][0] | {"unit": "kg m"}]
+    body = {"run": add_run(store, {}, number=9), "weights": heavy, "by": "Ada"}
+    assert "is it in another unit?" in api("POST", f"{PATH}/{begun}/check", 422, json=body)["detail"]
+    body = {"run": proposed["initial"][0], "by": "Ada"}
+    assert "is part of this balancing already" in api("POST", f"{PATH}/{begun}/check", 422, json=body)["detail"]
+    assert api("GET", f"{PATH}/{begun}") == proposed
+
+
 def test_planes_that_cannot_be_told_apart_are_named_and_one_of_them_is_left_out(store: Database, api: Api) -> None:
     """Darlow's second case: what a weight on one plane does is what another one on the other plane does."""
     alike = np.exp(0.2j) * 0.9
@@ -292,7 +325,7 @@ def test_runs_are_read_while_others_may_write_and_a_balancing_has_only_so_many_t
     api("POST", f"{here}/trials", json=trial)
     told = api("POST", f"{here}/trials", 409, json=trial | {"run": third})["detail"]
     assert "has 1 trial runs, as many as may be" in told
-    assert held == [False, False]
+    assert held == [False, False, False]
 
 
 def test_a_correction_is_stored_in_its_turn_and_not_beside_an_alert_that_came_meanwhile(
