@@ -55,7 +55,7 @@ def compute_check(task: BalancingTask, run: BalancingRun) -> dict[str, Any]:
 
 def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[BalancingRun]) -> None:
     """Raise TrialsUnusable, before the next run is made, for weights in a wrong unit or that cancel, and for a copied run."""
-    require_plausible_weights(machine, run)
+    _require_plausible_weights(machine, run)
     if run.added is None or np.max(np.abs(run.added)) < CANCELLED:
         raise TrialsUnusable(
             f"{run.name}: its weights cancel each other, and a trial needs one that is felt: state all that was on"
@@ -68,7 +68,7 @@ def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[B
             )
 
 
-def require_plausible_weights(machine: Machine, run: BalancingRun) -> None:
+def _require_plausible_weights(machine: Machine, run: BalancingRun) -> None:
     """Raise TrialsUnusable for a weight in a wrong unit."""
     mass, added = mass_of_rotors(machine), run.added
     for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=added is not None):
