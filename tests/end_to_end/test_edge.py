@@ -112,6 +112,20 @@ def _write_mdf4(path: Path, named: dict[str, Floats]) -> None:
         file.save(path, overwrite=True)
 
 
+def _through_agent(service: Service, folder: Path, kind: str) -> Samples:
+    """Return what the service has stored of a file that an agent read; only MDF4 says itself when it begins."""
+    machine = f"pump-{kind}"
+    create(service, machine)
+    start = {} if kind == "mf4" else {"start": "2023-11-14T22:13:20Z"}
+    waveforms = {"files": [{"path": f"run.{kind}"} | start], "sampling_rate": RATE}
+    configuration = write_configuration(folder, service, machine, waveforms=waveforms)
+    with process(folder / f"{kind}.txt", "edge", str(configuration)):
+        until(lambda: received(service, machine) == BLOCKS, within_s=60, what=f"{kind} is stored")
+    (run,) = service.get(f"/machines/{machine}/runs")
+    assert run["kind"] == "run-up"
+    return stored(service, machine)
+
+
 @pytest.mark.long
 def test_waveforms_of_vendors_files_become_the_same_samples(service: Service, tmp_path: Path) -> None:
     """A run-up as UFF58 and as MDF4, each through an agent into the service; beside them the same numbers as NPZ."""
@@ -119,19 +133,8 @@ def test_waveforms_of_vendors_files_become_the_same_samples(service: Service, tm
     np.savez(tmp_path / "run.npz", **named)
     _write_uff58(tmp_path / "run.uff", named)
     _write_mdf4(tmp_path / "run.mf4", named)
-    found = {}
     with service.running():
-        for kind in ("npz", "uff", "mf4"):
-            machine = f"pump-{kind}"
-            create(service, machine)
-            start = {} if kind == "mf4" else {"start": "2023-11-14T22:13:20Z"}
-            waveforms = {"files": [{"path": f"run.{kind}"} | start], "sampling_rate": RATE}
-            configuration = write_configuration(tmp_path, service, machine, waveforms=waveforms)
-            with process(tmp_path / f"{kind}.txt", "edge", str(configuration)):
-                until(lambda of=machine: received(service, of) == BLOCKS, within_s=60, what=f"{kind} is stored")
-            found[kind] = stored(service, machine)
-            (run,) = service.get(f"/machines/{machine}/runs")
-            assert (run["kind"], run["machine"]) == ("run-up", machine)
+        found = {kind: _through_agent(service, tmp_path, kind) for kind in ("npz", "uff", "mf4")}
     for kind in ("uff", "mf4"):
         np.testing.assert_allclose(found[kind].phasor, found["npz"].phasor, rtol=1e-4, atol=1e-9)
         np.testing.assert_allclose(found[kind].speed, found["npz"].speed, rtol=1e-6)
