@@ -12,9 +12,20 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes
 from estimator.balancing.equivalent_unbalance import equivalent_unbalance
-from estimator.balancing.field_balancing import BalancingRun, FieldBalancing, residual_balance, vectors_of
+from estimator.balancing.field_balancing import (
+    BalancingRun,
+    FieldBalancing,
+    mass_of_rotors,
+    residual_balance,
+    vectors_of,
+)
 from estimator.balancing.influence_correction import correct
-from estimator.balancing.trial_runs import TrialsUnusable, in_sense_of_rotation
+from estimator.balancing.trial_runs import (
+    TrialsUnusable,
+    are_copies,
+    in_sense_of_rotation,
+    require_plausible_weight,
+)
 from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 
@@ -58,7 +69,8 @@ def check_balancing(found: FieldBalancing, run: BalancingRun) -> BalancingCheck:
         What the run shows.
 
     Raises:
-        TrialsUnusable: The run has none of the correction's speeds, or weights in planes that had no trial.
+        TrialsUnusable: The run has none of the correction's speeds, weights in planes that had no trial or in another unit, or
+            is a copy of one that the correction came from.
     """
     machine, planes = found.machine, found.separation.planes
     vector = _vectors(found, run)
@@ -105,6 +117,11 @@ def _vectors(found: FieldBalancing, run: BalancingRun) -> Complexes:
     vector = seen.vector[0][[seen.points.index(point) for point in found.runs.points]]
     if not np.any(np.isfinite(vector)):
         raise TrialsUnusable(f"{run.name} shows none of the speeds at which the machine was balanced")
+    for name, before in zip(found.runs.names, found.runs.vector, strict=True):
+        if are_copies(vector, before):
+            raise TrialsUnusable(
+                f"{run.name} holds the same vectors as {name}: a check run is a run of its own, after the correction"
+            )
     return np.asarray(vector)
 
 
@@ -116,4 +133,8 @@ def _installed(found: FieldBalancing, run: BalancingRun) -> Complexes:
     other = [disc for disc, one in zip(discs, run.added, strict=True) if one != 0.0 and disc not in planes]
     if other:
         raise TrialsUnusable(f"{run.name}: weights on {', '.join(other)}, where nothing was to be corrected")
-    return np.array([run.added[discs.index(plane)] for plane in planes])
+    installed = np.array([run.added[discs.index(plane)] for plane in planes])
+    mass = mass_of_rotors(found.machine)
+    for plane, size in zip(planes, np.abs(installed).tolist(), strict=True):
+        require_plausible_weight(size, name=run.name, plane=plane, mass=mass)
+    return installed

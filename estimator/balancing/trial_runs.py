@@ -182,13 +182,25 @@ def _few_trials(runs: TrialRuns, rank: int) -> str:
 def _require_no_copies(runs: TrialRuns) -> None:
     for one in range(len(runs.names)):
         for other in range(one):
-            both = np.isfinite(runs.vector[one]) & np.isfinite(runs.vector[other])
-            difference = np.abs(runs.vector[one] - runs.vector[other])[both]
-            if both.any() and np.max(difference) <= SAME * np.max(np.abs(runs.vector[one][both])):
+            if are_copies(runs.vector[one], runs.vector[other]):
                 raise TrialsUnusable(
                     f"{runs.names[other]} and {runs.names[one]} hold the same vectors: one is a copy of the other, not a "
                     "run with another trial weight"
                 )
+
+
+def are_copies(one: Complexes, other: Complexes) -> bool:
+    """Return whether the vectors of two runs are copies of each other: no two runs measure the same to the last digit.
+
+    Args:
+        one: Vectors (K,) of a run, NaN where it shows none [m].
+        other: Those of another run (K,) [m].
+
+    Returns:
+        Whether they are the same wherever both are shown.
+    """
+    both = np.isfinite(one) & np.isfinite(other)
+    return bool(both.any() and np.max(np.abs(one - other)[both]) <= SAME * np.max(np.abs(one[both])))
 
 
 def require_plausible_weights(runs: TrialRuns, *, mass: float) -> None:

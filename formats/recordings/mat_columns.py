@@ -24,9 +24,13 @@ def mat_columns(path: Path) -> MeasuredColumns:
     except OSError as error:
         if error.errno is not None:
             raise  # not of the file's content
-        raise BrokenFile("damaged_file", f"not a whole MAT file: {error}") from error
+        raise BrokenFile(
+            "damaged_file", f"not a whole MAT file, cut short or damaged: copy or export it anew ({error})"
+        ) from error
     except Exception as error:
-        raise BrokenFile("damaged_file", f"not a whole MAT file: {error}") from error
+        raise BrokenFile(
+            "damaged_file", f"not a whole MAT file, cut short or damaged: copy or export it anew ({error})"
+        ) from error
     values: dict[str, Floats] = {}
     for name, held in found.items():
         if name.startswith("__") or not isinstance(held, np.ndarray) or held.dtype.kind not in "fiuc" or held.ndim > 2:

@@ -36,7 +36,7 @@ def mdf4_columns(path: Path) -> MeasuredColumns:
         if isinstance(read, str):
             gc.collect()  # the library's object refers to itself: now it is let go of, not at any time later
     if isinstance(read, str):
-        raise BrokenFile("truncated_file", f"not a whole MDF file: {read}")
+        raise BrokenFile("truncated_file", f"not a whole MDF file, cut short or damaged: copy or export it anew ({read})")
     groups, start = read
     numbers = [(number, name, signal) for number, name, signal in groups if signal.samples.dtype.kind in "fiu"]
     values, twice = named_once([(name, f"{number}/{name}", signal.samples.astype(float)) for number, name, signal in numbers])

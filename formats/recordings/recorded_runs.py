@@ -25,6 +25,9 @@ from formats.recordings.recording import RecordedCircumstances, read_circumstanc
 from formats.wire import Rejected, to_samples
 from storage.clock import now
 
+FEWEST_PHASES = 10
+"""Rows from which on phases that are all zero are taken for ones that nobody measured."""
+
 
 def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
     """Return all runs of some files as one measurement, with descriptions of omitted rows; as `read_runs`."""
@@ -80,7 +83,9 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     recording = read_recording(file, sidecar)
     if recording.machine != machine.id:
         raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
-    doubts = _phase_doubts(np.array(recording.phase, dtype=float), recording.phase_unit, file)
+    phase = np.array(recording.phase, dtype=float)
+    _require_phases(phase, file)
+    doubts = _phase_doubts(phase, recording.phase_unit, file)
     try:
         samples, taken, faults = to_samples(recording, machine, received_at=now())
     except Rejected as error:
@@ -101,6 +106,15 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults]
     words += [*([f"{file}: {outside}"] if outside else []), *doubts]
     return _ReadRun(recorded, measurement, circumstances, taken, words)
+
+
+def _require_phases(phase: Floats, file: Path) -> None:
+    """Raise UnreadableFile where a recording's phases (S, m) are missing or zero throughout."""
+    shown = phase[np.isfinite(phase)]
+    if shown.size and (len(phase) < FEWEST_PHASES or np.any(shown != 0.0)):
+        return
+    why = "its phases are zero throughout" if shown.size else "it has no phases"
+    raise UnreadableFile(f"{file}: {why}: did the keyphasor give pulses, and are the columns of phases the right ones?")
 
 
 def _phase_doubts(phase: Floats, unit: str, file: Path) -> list[str]:

@@ -82,7 +82,7 @@ def _measured_rows(path: Path) -> list[dict[str, str | None]]:
     except (BrokenFile, OSError) as error:
         raise UnreadableFile(f"{path}: {error}") from error
     if read.cut:
-        raise UnreadableFile(f"{path}: {read.cut}")
+        raise UnreadableFile(f"{path}: {read.cut}: it was cut short; copy or export it anew")
     sizes = [column.size for column in read.values.values()]
     length = max(set(sizes), key=sizes.count, default=0)
     columns = {name: column for name, column in read.values.items() if column.size == length}

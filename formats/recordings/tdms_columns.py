@@ -17,7 +17,8 @@ def tdms_columns(path: Path) -> MeasuredColumns:
         from nptdms import TdmsFile
     except ImportError as error:
         raise BrokenFile("unreadable_file", "TDMS needs npTDMS: pip install 'rotorundown[tdms]'") from error
-    logging.getLogger("nptdms.reader").setLevel(logging.ERROR)  # what it warns of is told as `cut`
+    for name in ("nptdms.reader", "nptdms.tdms_segment"):
+        logging.getLogger(name).setLevel(logging.ERROR)  # what it warns of is told as `cut`
     try:
         file = TdmsFile.read(path)
         channels = [channel for group in file.groups() for channel in group.channels() if channel.dtype.kind in "fiu"]

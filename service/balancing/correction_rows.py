@@ -37,13 +37,17 @@ class PlaneWeight:
 
 @dataclass(frozen=True)
 class ChannelEffect:
-    """Largest vibration of a channel over the speeds [µm pp]: as it was, predicted with bound, and in the check run."""
+    """Largest vibration of a channel over the speeds [µm pp]: as it was, predicted with bound, and in the check run.
+
+    check_upper: bound of the prediction for the weights that were on in the check run.
+    """
 
     channel: str
     before: float
     after: float
     upper: float
     check: float | None
+    check_upper: float | None
     held: bool | None
 
 
@@ -82,6 +86,7 @@ def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> l
                     after=_largest(found.correction.after, own),
                     upper=float(np.max(found.correction.after.upper[own])) / MICROMETRES,
                     check=None if measured is None else float(np.nanmax(np.abs(measured.vector[own]))) / MICROMETRES,
+                    check_upper=None if measured is None else float(np.max(measured.predicted.upper[own])) / MICROMETRES,
                     held=None if measured is None else meets_prediction(measured, own),
                 )
             )

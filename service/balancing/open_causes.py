@@ -5,13 +5,11 @@ from collections.abc import Sequence
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
-from service.monitoring.rules.finding_catalogue import finding_at, is_mended_by_balancing
+from service.monitoring.rules.finding_catalogue import finding_at, speaks_against_balancing
 from service.wording.language import ENGLISH, Language
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 
-GONE = ("normal", "returned")
-"""Conditions of an alert whose cause is gone."""
 MOST = 1000
 
 
@@ -22,7 +20,7 @@ class SomethingElseWrong(Conflict):
 def require_nothing_else(session: Session, machine_id: str, language: Language = ENGLISH) -> None:
     """Raise SomethingElseWrong while an open alert of the machine has a present cause that no weight mends, in a language."""
     found = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST)
-    other = [one for one in found if one.condition not in GONE and not is_mended_by_balancing(one.rule, one.element)]
+    other = [one for one in found if speaks_against_balancing(one.rule, one.element, one.condition)]
     if other:
         raise SomethingElseWrong(_words(other, language))
 

@@ -12,7 +12,14 @@ from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
-from service.balancing.correction_rows import MICROMETRES, effect_rows, limit_verdicts, plane_weights, trim_weights
+from service.balancing.correction_rows import (
+    MICROMETRES,
+    effect_rows,
+    has_other_weights,
+    limit_verdicts,
+    plane_weights,
+    trim_weights,
+)
 
 
 def correction_fields(found: FieldBalancing) -> dict[str, Any]:
@@ -59,8 +66,10 @@ def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]
     return {
         "points": int(np.count_nonzero(shown)),
         "points_kept": int(np.count_nonzero(check.held)),
+        "other_weights": has_other_weights(found, check),
         "channels": [
-            {"channel": one.channel, "check_um_pp": one.check, "kept": one.held} for one in effect_rows(found, check)
+            {"channel": one.channel, "check_um_pp": one.check, "upper_um_pp": one.check_upper, "kept": one.held}
+            for one in effect_rows(found, check)
         ],
         "limit_met": None if limit is None else bool(np.nanmax(np.abs(check.vector)) <= limit),
         "residual": [{**_plane(shaft, one), **_residual(one)} for shaft, one, _ in _pairs(check.residual, check.residual)],

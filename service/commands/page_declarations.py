@@ -11,7 +11,13 @@ from pathlib import Path
 from estimator.bearings.terms import TERMS, Term
 from service.delivery.channels import CHANNEL_KINDS
 from service.monitoring.rules.drift_rule import RATE_RULE
-from service.monitoring.rules.finding_catalogue import ALERT_RULES, LIMITED_RULES, alerting_lists, is_named_as_element
+from service.monitoring.rules.finding_catalogue import (
+    ALERT_RULES,
+    LIMITED_RULES,
+    PRESENT,
+    alerting_lists,
+    is_named_as_element,
+)
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.monitoring.rules.limit_rule import QUANTITIES
 from service.wording.language import LANGUAGES, Language
@@ -53,6 +59,8 @@ def _findings() -> str:
         + "/** Kinds of findings that have limits of their own. */\n"
         + f"export const RULES = [{names}] as const;\n\n"
         + "export type RuleName = (typeof RULES)[number];\n\n"
+        + "/** Kinds of findings that alerts are of, with and without limits. */\n"
+        + f"export const ALERT_RULES: readonly string[] = {_written(list(ALERT_RULES))};\n\n"
         + "/** Quantities that a limit may name. */\n"
         + f"export const LIMIT_NAMES = [{limits}] as const;\n\n"
         + "export type LimitName = (typeof LIMIT_NAMES)[number];\n\n"
@@ -62,6 +70,8 @@ def _findings() -> str:
         + f"export const NAMED_AS_ELEMENTS: readonly string[] = {_written(named_as_elements)};\n\n"
         + "/** Kinds of elements at which balancing mends what an alert reports, by the alert's rule. */\n"
         + f"export const MENDED_BY_BALANCING: Readonly<Record<string, readonly string[]>> = {{\n{mended}}};\n\n"
+        + "/** Conditions of an alert whose cause is present. */\n"
+        + f"export const PRESENT: readonly string[] = {_written(PRESENT)};\n\n"
         + "/** Names of all kinds of findings, by language. */\n"
         + _by_language("FINDING_NAMES", lambda language: {one.kind: one.name_in(language) for one in declared})
     )

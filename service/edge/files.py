@@ -24,6 +24,8 @@ CHUNK_SAMPLES = 16_384
 """Samples read at a time."""
 RATE_TOLERANCE = 1e-3
 """Relative difference of two sampling rates that are the same."""
+RATE_ROUNDING = 1e-5
+"""Relative difference of a sampling rate that a file rounds, as UFF58 does to six digits, from the configured one."""
 LONGEST_S = 1e9
 """No recording is longer than thirty years [s]."""
 
@@ -166,9 +168,14 @@ def _rate_of(seconds: Floats) -> float | None:
 
 
 def _sampling_rate(said: float | None, configured: float | None) -> float | None:
-    """Raise FileTrouble where the two differ, or what the file says is no rate."""
+    """Return the sampling rate: what the file says, or the configured one, from which that is rounded.
+
+    Raises FileTrouble where the two differ, or what the file says is no rate.
+    """
     if said is not None and not (math.isfinite(said) and said > 0.0):
         raise FileTrouble("unreadable_file", f"says {said:g} Hz, which is no sampling rate")
     if said is not None and configured is not None and abs(said / configured - 1.0) > RATE_TOLERANCE:
         raise FileTrouble("wrong_sampling_rate", f"says {said:g} Hz, {configured:g} Hz is configured: one of them is wrong")
-    return configured if said is None else said
+    if said is None or (configured is not None and abs(said / configured - 1.0) <= RATE_ROUNDING):
+        return configured
+    return said

@@ -1,5 +1,6 @@
 """Computing steps of a field balancing in a worker process: runs and what is asked go there, fields of numbers come back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,12 +15,16 @@ from estimator.balancing.field_balancing import (
     balance_from_trials,
     mass_of_rotors,
 )
-from estimator.balancing.trial_runs import require_plausible_weight
+from estimator.balancing.trial_runs import TrialsUnusable, require_plausible_weight
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
 from estimator.updated_model.balancing import BalancingFailed, influence_coefficients
 from service.balancing.rendering import check_fields, correction_fields
 from service.identification.stored_model import Identified
+
+CANCELLED = 1e-15
+"""Unbalance that rounding leaves of weights which cancel each other [kg m]; the smallest that can be stated is 1e-12."""
 
 
 class CorrectionImpossible(Invalid):
@@ -48,11 +53,30 @@ def compute_check(task: BalancingTask, run: BalancingRun) -> dict[str, Any]:
     return check_fields(found, check_balancing(found, run))
 
 
-def require_plausible_trial(machine: Machine, run: BalancingRun) -> None:
-    """Raise TrialsUnusable for a weight in a wrong unit, before the next run is made."""
+def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[BalancingRun]) -> None:
+    """Raise TrialsUnusable, before the next run is made, for weights in a wrong unit or that cancel, and for a copied run."""
+    _require_plausible_weights(machine, run)
+    if run.added is None or np.max(np.abs(run.added)) < CANCELLED:
+        raise TrialsUnusable(
+            f"{run.name}: its weights cancel each other, and a trial needs one that is felt: state all that was on"
+        )
+    for other in others:
+        if _is_copy(run.measurement, other.measurement):
+            raise TrialsUnusable(
+                f"{other.name} and {run.name} hold the same vectors: one is a copy of the other, not a run with another trial "
+                "weight"
+            )
+
+
+def _require_plausible_weights(machine: Machine, run: BalancingRun) -> None:
+    """Raise TrialsUnusable for a weight in a wrong unit."""
     mass, added = mass_of_rotors(machine), run.added
-    for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=True):
+    for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=added is not None):
         require_plausible_weight(one, name=run.name, plane=disc.id, mass=mass)
+
+
+def _is_copy(one: Measurement, other: Measurement) -> bool:
+    return np.array_equal(one.speed, other.speed) and np.array_equal(one.phasor, other.phasor, equal_nan=True)
 
 
 def _balanced(task: BalancingTask) -> FieldBalancing:

@@ -53,12 +53,12 @@ def _send(dialog: Locator, button: str) -> None:
     dialog.get_by_role("button", name=button, exact=True).click()
 
 
-def _until_tried(seen: Seen, machine: str, runs: list[int], *, despite_danger: bool = False) -> None:
+def _until_tried(seen: Seen, machine: str, runs: list[int], *, despite_alert: bool = False) -> None:
     """Begin a balancing with the first of some runs, and add the second as a trial."""
     seen.open(f"machines/{machine}/balancing")
-    if despite_danger:
-        expect(seen.page.get_by_role("heading", name="Not now: a danger is open")).to_be_visible()
-        seen.page.get_by_text("Balance all the same").click()
+    if despite_alert:
+        expect(seen.page.get_by_role("heading", name="Not now: something else is wrong")).to_be_visible()
+        seen.page.get_by_text("Show balancing all the same").click()
     dialog = _step(seen, "Begin …")
     dialog.get_by_label("Run without trial weights").select_option(str(runs[0]))
     _send(dialog, "Begin")
@@ -113,6 +113,9 @@ def test_a_machine_is_balanced_from_the_page(seen: Seen, service: Service) -> No
     _send(dialog, "Compare")
     expect(dialog).to_have_count(0)
     expect(seen.page.get_by_text("with none on:")).to_be_visible()
+    expect(seen.page.get_by_text("Other weights than the correction's were on")).to_be_visible()
+    expect(seen.page.get_by_role("columnheader", name="Predicted for the weights that were on, 95 %")).to_be_visible()
+    expect(seen.page.get_by_text("more than promised")).to_have_count(0)
     third = service.get(f"/machines/{COPY}/balancings")[0]["check"]
     assert third["weights"] == []
     assert seen.errors == []
@@ -126,20 +129,19 @@ def test_on_paper_the_buttons_are_left_out(seen: Seen, service: Service) -> None
     expect(seen.page.get_by_text("Initial run")).to_be_visible()
 
 
-def test_a_danger_that_comes_meanwhile_ends_no_form_that_is_being_filled_in(seen: Seen, service: Service) -> None:
+def test_an_alert_that_comes_meanwhile_ends_no_form_that_is_being_filled_in(seen: Seen, service: Service) -> None:
     runs = _closed_runs(service, COPY)
     _until_tried(seen, COPY, runs)
     shown = service.get(f"/machines/{COPY}/balancings")[0]["id"]
     dialog = _step(seen, "Add a trial run …")
     dialog.get_by_label("Amount").fill("777")
-    danger = service.get(f"/machines/{MACHINE}/alerts", open=True)[0] | {"machine": COPY}
-    assert danger["severity"] == "danger"
+    alert = service.get(f"/machines/{MACHINE}/alerts", open=True)[0] | {"machine": COPY, "severity": "alert"}
     later = service.client.post(f"/machines/{COPY}/balancings", json={"runs": [runs[2]], "by": "otto"})
     assert later.status_code == 201, later.text  # somebody else begins another one
-    seen.page.route(re.compile(rf"/machines/{COPY}/alerts\?open=true"), lambda route: route.fulfill(json=[danger]))
-    heading = seen.page.get_by_role("heading", name="Not now: a danger is open", include_hidden=True)
+    seen.page.route(re.compile(rf"/machines/{COPY}/alerts\?open=true"), lambda route: route.fulfill(json=[alert]))
+    heading = seen.page.get_by_role("heading", name="Not now: something else is wrong", include_hidden=True)
     expect(heading).to_be_attached()
-    expect(dialog.get_by_role("status")).to_have_text("Not now: a danger is open")
+    expect(dialog.get_by_role("status")).to_have_text("Not now: something else is wrong")
     expect(dialog.get_by_label("Amount")).to_have_value("777")
     dialog.get_by_label("Run with the weight").select_option(str(runs[2]))
     dialog.locator("select[name=disc]").select_option("D1")
@@ -170,7 +172,7 @@ def test_amplitudes_of_a_correction_are_in_the_chosen_unit(seen: Seen, service: 
 
 
 def test_no_masses_while_an_alert_says_that_the_coupling_is_misaligned(seen: Seen, service: Service) -> None:
-    _until_tried(seen, MACHINE, _closed_runs(service, MACHINE), despite_danger=True)
+    _until_tried(seen, MACHINE, _closed_runs(service, MACHINE), despite_alert=True)
     dialog = _step(seen, "Compute the correction …")
     _send(dialog, "Compute")
     expect(dialog.get_by_role("alert")).to_contain_text("mend C1 first, no masses are proposed")

@@ -251,7 +251,7 @@ def test_angles_of_unbalances_say_how_they_count(seen: Seen, rotation: str, coun
     seen.page.route(re.compile("/balancing$"), of_the_runs)
     words = f"from the mark, +x towards +y, {counted}"
     seen.open(f"machines/{MACHINE}/model")
-    seen.page.get_by_text("Balance all the same").click()
+    seen.page.get_by_text("Show balancing all the same").click()
     expect(seen.page.get_by_role("columnheader", name=f"Angle, {words}")).to_be_visible()
     for tab, heading in (
         ("identified", "Parameters, with 95 % intervals"),

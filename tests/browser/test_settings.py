@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Route, expect
 
 from estimator.diagnosis.finding_kind import ELEMENT_LISTS
+from service.monitoring.rules.finding_catalogue import ALERT_RULES
 from tests.browser.conftest import Seen
 from tests.browser.story import MACHINE, day_of
 from tests.end_to_end.processes import Service
@@ -59,6 +60,8 @@ def test_a_suppression_begins_and_ends(seen: Seen, service: Service) -> None:
     listed = [f"{kind}.{one['id']}" for kind, part in ELEMENT_LISTS.items() for one in document.get(part) or []]
     assert [one.get_attribute("value") for one in elements.locator("option").all()] == ["", *listed]
     assert "shaft.S1" in listed
+    findings = dialog.get_by_label("Finding").locator("option")
+    assert findings.evaluate_all("all => all.map((one) => one.value)") == ["", *ALERT_RULES], "those without limits, too"
     elements.select_option("bearing.B1")
     dialog.get_by_label("Comment").fill("its probe is out for calibration")
     dialog.get_by_label("Your name").fill("anna")

@@ -238,22 +238,20 @@ def test_refused_data_are_a_badge_in_a_persons_words(seen: Seen) -> None:
     assert seen.errors == []
 
 
-def test_a_danger_comes_before_balancing(seen: Seen, service: Service) -> None:
+def test_what_else_is_wrong_comes_before_balancing(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}/balancing")
-    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
-    assert alert["severity"] == "danger"
-    expect(seen.page.get_by_role("heading", name="Not now: a danger is open")).to_be_visible()
+    expect(seen.page.get_by_role("heading", name="Not now: something else is wrong")).to_be_visible()
     expect(seen.page.get_by_role("button", name="Begin")).to_be_hidden()
-    seen.page.get_by_text("Balance all the same").click()
+    seen.page.get_by_text("Show balancing all the same").click()
     expect(seen.page.get_by_role("button", name="Begin")).to_be_visible()
 
 
-def test_a_model_proposes_no_weights_while_a_danger_is_open(seen: Seen) -> None:
+def test_a_model_proposes_no_weights_while_something_else_is_wrong(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}/model")
-    expect(seen.page.get_by_role("heading", name="Not now: a danger is open")).to_be_visible()
+    expect(seen.page.get_by_role("heading", name="Not now: something else is wrong")).to_be_visible()
     proposal = seen.page.get_by_role("heading", name="Balancing proposal")
     expect(proposal).to_have_count(0)
-    seen.page.get_by_text("Balance all the same").click()
+    seen.page.get_by_text("Show balancing all the same").click()
     expect(proposal).to_be_visible()
 
 

@@ -3,20 +3,24 @@
 import subprocess
 import sys
 import time
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+import pyuff
 import yaml
+from asammdf import MDF, Signal
 from sqlalchemy import select
 
+from estimator.arrays import Floats
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.measurements import samples
 from storage.tables.measurements import SampleBlockRow
 from tests.end_to_end.processes import Service, process, until
 from tests.plant import KEY, assert_same_samples, document
-from tests.waveforms import edge_document, recorded
+from tests.waveforms import RATE, START_NS, edge_document, recorded, true_phasors
 
 SECONDS = 45.0
 BLOCKS = 90
@@ -87,6 +91,58 @@ def test_edge_and_service_killed_the_store_is_that_of_an_undisturbed_run(service
     assert_same_samples(found, stored(service, quiet))
     assert len(found) == BLOCKS
     assert (np.diff(found.time) > 0).all()
+
+
+def _write_uff58(path: Path, named: dict[str, Floats]) -> None:
+    """Write waveforms as the reference writer does: one dataset of type 58 for each, of time."""
+    file = pyuff.UFF(str(path))
+    for name, values in named.items():
+        said = {"type": 58, "binary": 0, "func_type": 1, "id1": name, "abscissa_spec_data_type": 17}
+        places = {"rsp_node": 1, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1}
+        kinds = {"ordinate_spec_data_type": 8, "orddenom_spec_data_type": 0}
+        file.write_sets(said | places | kinds | {"data": values, "x": np.arange(values.size) / RATE}, mode="add")
+
+
+def _write_mdf4(path: Path, named: dict[str, Floats]) -> None:
+    """Write waveforms as the reference writer does: one group, which says when it begins."""
+    with MDF(version="4.10") as file:
+        times = np.arange(next(iter(named.values())).size) / RATE
+        file.append([Signal(values, times, name=name) for name, values in named.items()])
+        file.header.start_time = datetime.fromtimestamp(START_NS / 1e9, UTC)
+        file.save(path, overwrite=True)
+
+
+def _through_agent(service: Service, folder: Path, kind: str) -> Samples:
+    """Return what the service has stored of a file that an agent read; only MDF4 says itself when it begins."""
+    machine = f"pump-{kind}"
+    create(service, machine)
+    start = {} if kind == "mf4" else {"start": "2023-11-14T22:13:20Z"}
+    waveforms = {"files": [{"path": f"run.{kind}"} | start], "sampling_rate": RATE}
+    configuration = write_configuration(folder, service, machine, waveforms=waveforms)
+    with process(folder / f"{kind}.txt", "edge", str(configuration)):
+        until(lambda: received(service, machine) == BLOCKS, within_s=60, what=f"{kind} is stored")
+    (run,) = service.get(f"/machines/{machine}/runs")
+    assert run["kind"] == "run-up"
+    return stored(service, machine)
+
+
+@pytest.mark.long
+def test_waveforms_of_vendors_files_become_the_same_samples(service: Service, tmp_path: Path) -> None:
+    """A run-up as UFF58 and as MDF4, each through an agent into the service; beside them the same numbers as NPZ."""
+    named = dict(zip("KAB", recorded(SECONDS, rpm=600.0, ramp=20.0, noise=0.02), strict=True))
+    np.savez(tmp_path / "run.npz", **named)
+    _write_uff58(tmp_path / "run.uff", named)
+    _write_mdf4(tmp_path / "run.mf4", named)
+    with service.running():
+        found = {kind: _through_agent(service, tmp_path, kind) for kind in ("npz", "uff", "mf4")}
+    for kind in ("uff", "mf4"):
+        np.testing.assert_allclose(found[kind].phasor, found["npz"].phasor, rtol=1e-4, atol=1e-9)
+        np.testing.assert_allclose(found[kind].speed, found["npz"].speed, rtol=1e-6)
+        assert found[kind].time.tolist() == found["npz"].time.tolist()
+    first, _ = true_phasors(2)
+    assert np.abs(found["uff"].phasor[:, :2]) == pytest.approx(
+        np.tile(np.abs(first) / [8000.0, 4000.0], (BLOCKS, 1)), rel=0.02
+    )
 
 
 PEAK = """

@@ -5,6 +5,9 @@ export const RULES = ["misalignment", "bearing", "coupling", "pedestal", "settle
 
 export type RuleName = (typeof RULES)[number];
 
+/** Kinds of findings that alerts are of, with and without limits. */
+export const ALERT_RULES: readonly string[] = ["misalignment", "bearing", "coupling", "pedestal", "settlement", "wear", "oil", "process_force", "light_load", "heavy_load", "low_stability", "unbalance", "rotating_coupling", "run_out", "sensor", "misfit", "outliers", "rate_of_change"];
+
 /** Quantities that a limit may name. */
 export const LIMIT_NAMES = ["sigma", "per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance"] as const;
 
@@ -35,6 +38,9 @@ export const MENDED_BY_BALANCING: Readonly<Record<string, readonly string[]>> = 
   unbalance: ["disc"],
   rate_of_change: ["disc"],
 };
+
+/** Conditions of an alert whose cause is present. */
+export const PRESENT: readonly string[] = ["acknowledged", "unacknowledged"];
 
 /** Names of all kinds of findings, by language. */
 export const FINDING_NAMES = {

@@ -2,7 +2,8 @@
 import { MinuteField } from "../components/time-field";
 import { getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
-import { FINDING_KINDS, findingLabel } from "../findings/findings";
+import { ALERT_RULES } from "../declarations/findings";
+import { findingLabel } from "../findings/findings";
 import { elementName, words } from "../format/names";
 import { minuteOf } from "../format/times";
 import { t } from "../messages/messages";
@@ -39,7 +40,7 @@ export function SuppressDialog({ machine, onClose }: { machine: Document; onClos
         {t("finding")}
         <select name="rule">
           <option value="">{t("all")}</option>
-          {FINDING_KINDS.map((one) => (
+          {ALERT_RULES.map((one) => (
             <option key={one} value={one}>
               {findingLabel(one)}
             </option>

@@ -1,5 +1,5 @@
 // Everything that the page says of findings: their kinds, labels and causes, and the limits that each kind has.
-import { LIMIT_NAMES, MENDED_BY_BALANCING, NAMED_AS_ELEMENTS, QUANTITIES, RULES, type LimitName, type RuleName } from "../declarations/findings";
+import { LIMIT_NAMES, MENDED_BY_BALANCING, NAMED_AS_ELEMENTS, PRESENT, QUANTITIES, RULES, type LimitName, type RuleName } from "../declarations/findings";
 import { elementName, words } from "../format/names";
 import { decimal } from "../format/numbers";
 import { t } from "../messages/messages";
@@ -25,9 +25,9 @@ export function findingTitle(kind: string, element: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** Whether balancing mends what an alert reports. */
-export function isMendedByBalancing({ rule, element }: { rule: string; element: string }): boolean {
-  return MENDED_BY_BALANCING[rule]?.includes(element.split(".")[0]!) ?? false;
+/** Whether an alert's cause is present and no weight mends it, as the service judges that refuses to propose masses. */
+export function speaksAgainstBalancing({ rule, element, condition }: { rule: string; element: string; condition: string }): boolean {
+  return PRESENT.includes(condition) && !MENDED_BY_BALANCING[rule]?.includes(element.split(".")[0]!);
 }
 
 /** Whether a finding is called as its element: that of a seal is called `bearing` as well. */

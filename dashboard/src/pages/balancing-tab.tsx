@@ -6,7 +6,7 @@ import type { Document } from "../schemas/machines";
 export function BalancingTab({ machine }: { machine: Document }) {
   return (
     <BalancingGate machine={machine.id}>
-      {/* It keeps its place whatever comes: a danger that is raised meanwhile ends no form that somebody is filling in. */}
+      {/* It keeps its place whatever comes: an alert that is raised meanwhile ends no form that somebody is filling in. */}
       {(hidden, warning) => <FieldBalancingPanel key="balancing" machine={machine} hidden={hidden} warning={warning} />}
     </BalancingGate>
   );

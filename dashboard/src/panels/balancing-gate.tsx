@@ -1,4 +1,4 @@
-// What is for balancing gives way where a danger is open that no balancing mends; it can be opened all the same.
+// What is for balancing gives way where an alert says that something else than unbalance is wrong; it can be opened all the same.
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import { link } from "../browser/router";
@@ -6,7 +6,7 @@ import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { Severity } from "../components/severity";
 import { useOpenAlerts } from "../data/open-alerts";
-import { isMendedByBalancing } from "../findings/findings";
+import { speaksAgainstBalancing } from "../findings/findings";
 import { t } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 import { alertTitle } from "../words/alert-states";
@@ -22,12 +22,12 @@ export function BalancingGate({ machine, children }: Props) {
 }
 
 function Gate({ alerts, children }: { alerts: Alert[]; children: Props["children"] }) {
-  const dangers = alerts.filter((one) => one.severity === "danger" && !isMendedByBalancing(one));
+  const others = alerts.filter(speaksAgainstBalancing);
   const [anyway, setAnyway] = useState(false);
-  const waits = dangers.length > 0;
+  const waits = others.length > 0;
   return (
     <>
-      {waits && <Dangers dangers={dangers} />}
+      {waits && <Others alerts={others} />}
       {waits && (
         <p class="buttons screen">
           <button type="button" aria-expanded={anyway} onClick={() => setAnyway(!anyway)}>
@@ -35,17 +35,17 @@ function Gate({ alerts, children }: { alerts: Alert[]; children: Props["children
           </button>
         </p>
       )}
-      {children(waits && !anyway, waits ? t("notNowADangerIs") : null)}
+      {children(waits && !anyway, waits ? t("notNowSomethingElseIs") : null)}
     </>
   );
 }
 
-function Dangers({ dangers }: { dangers: Alert[] }) {
+function Others({ alerts }: { alerts: Alert[] }) {
   return (
-    <Panel title={t("notNowADangerIs")}>
+    <Panel title={t("notNowSomethingElseIs")}>
       <p>{t("balancingWouldHideWhatIs")}</p>
       <ul class="reasons">
-        {dangers.map((one) => (
+        {alerts.map((one) => (
           <li key={one.id}>
             <Severity severity={one.severity} /> <a href={link(["alerts", String(one.id)])}>{alertTitle(one)}</a>: {one.message}
           </li>

@@ -182,6 +182,7 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
   const { amplitude } = useUnits();
   const told = (um: number | null | undefined) => (um === null || um === undefined ? "–" : `${number(um * amplitude.factor)} ${amplitude.label}`);
   const measured = (channel: string) => check?.channels.find((one) => one.channel === channel);
+  const others = check !== null && hasOtherWeights(check);
   return (
     <Scroll label={t("table")}>
       <table>
@@ -190,6 +191,7 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
             <th>{t("channel")}</th>
             <th class="number">{t("largestBefore")}</th>
             <th class="number">{t("promised95")}</th>
+            {others && <th class="number">{t("predictedForWeightsOn")}</th>}
             {check && <th class="number">{t("checkRun")}</th>}
           </tr>
         </thead>
@@ -199,9 +201,10 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
               <td>{one.channel}</td>
               <td class="number">{told(one.before_um_pp)}</td>
               <td class="number">{t("belowAmplitude", { upper: told(one.upper_um_pp) })}</td>
+              {others && <td class="number">{t("belowAmplitude", { upper: told(measured(one.channel)?.upper_um_pp) })}</td>}
               {check && (
                 <td class="number">
-                  {told(measured(one.channel)?.check_um_pp)}{measured(one.channel)?.kept === false && t("moreThanPromised")}
+                  {told(measured(one.channel)?.check_um_pp)}{measured(one.channel)?.kept === false && t(others ? "moreThanPredicted" : "moreThanPromised")}
                 </td>
               )}
             </tr>
@@ -260,9 +263,15 @@ function weightsText(weights: Weight[]): string {
   return weights.map((one) => t("weightOnDisc", { amount: number(one.g_mm), disc: one.disc, angle: Math.round(one.scale_deg) })).join(", ") || t("noneOn");
 }
 
+/** Whether the promise of the correction is not for the weights that were on; of an older release by whether any were stated. */
+function hasOtherWeights(check: CheckRun): boolean {
+  return check.other_weights ?? check.weights !== null;
+}
+
 function Check({ found }: { found: CheckRun }) {
   return (
     <p>
+      {hasOtherWeights(found) && `${t("otherWeightsWereOn")} `}
       {rich("checkRunText", { run: found.run, time: <Time at={found.at} />, by: found.by, on: found.weights === null ? t("withTheWeightsProposed") : t("withWeights", { weights: weightsText(found.weights) }), kept: found.points_kept, points: found.points, weights: weightsText(found.trim) })}
     </p>
   );

@@ -72,7 +72,9 @@ export interface CheckRun {
   weights: Weight[] | null;
   points: number;
   points_kept: number;
-  channels: { channel: string; check_um_pp: number | null; kept: boolean | null }[];
+  /** Whether others than those proposed were on; null, as the bounds, where an older release computed it. */
+  other_weights: boolean | null;
+  channels: { channel: string; check_um_pp: number | null; upper_um_pp: number | null; kept: boolean | null }[];
   limit_met: boolean | null;
   residual: (BearingPlane & Residual)[];
   trim: Weight[];

@@ -4,7 +4,7 @@ import math
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
@@ -56,15 +56,31 @@ class WeightIn(StrictModel):
         return self.amount * KILOGRAMS[self.unit] * 1e-3 * self.radius_mm / GRAM_MILLIMETRE
 
 
+EXAMPLE = '[{"disc": "D1", "amount": 48, "unit": "g mm", "angle_deg": 90}]'
+
+
 def _listed(value: object) -> object:
-    """Return what stands for a list of weights. Raises ValueError for what is none."""
+    """Return what stands for a list of weights. Raises ValueError for what is none, such as None where it is missing."""
     if not isinstance(value, list):
-        example = '[{"disc": "D1", "amount": 48, "unit": "g mm", "angle_deg": 90}]'
-        raise ValueError(f"weights are a list such as {example}; `[]` where there was none")
+        raise ValueError(f"weights are a list such as {EXAMPLE}; `[]` where there was none")
+    return value
+
+
+def _loaded(value: object) -> object:
+    """Return what stands for a list of weights that holds one. Raises ValueError for what is none."""
+    if not isinstance(value, list) or not value:
+        raise ValueError(
+            f"a trial run needs the weights that were on, a list such as {EXAMPLE}; a run without any is an initial one"
+        )
     return value
 
 
 Weights = Annotated[list[WeightIn], BeforeValidator(_listed), Field(max_length=100)]
+
+
+def required(*names: str) -> ConfigDict:
+    """Return the settings of a request whose fields of these names are required, though a validator words their absence."""
+    return ConfigDict(json_schema_extra={"required": list(names)})
 
 
 class BalancingIn(StrictModel):
@@ -82,8 +98,12 @@ class BalancingIn(StrictModel):
 class TrialIn(StrictModel):
     """A run with trial weights: all that was on, also what an earlier trial left."""
 
+    model_config = required("run", "weights", "by")
+
     run: RunNumber
-    weights: Annotated[list[WeightIn], BeforeValidator(_listed), Field(min_length=1, max_length=100)]
+    weights: Annotated[list[WeightIn], BeforeValidator(_loaded), Field(min_length=1, max_length=100)] = Field(
+        default=None, validate_default=True
+    )
     by: Author
 
 
@@ -242,11 +262,14 @@ class CorrectionOut(BaseModel):
 
 
 class CheckedChannelOut(BaseModel):
-    """Largest vibration of a channel in the check run, and whether the promise for it was kept."""
+    """Largest vibration of a channel in the check run, and whether the prediction for the weights that were on was kept."""
 
     channel: str
     check_um_pp: float | None
-    kept: bool | None
+    upper_um_pp: float | None = Field(
+        default=None, description="95 % bound predicted for the weights that were on; null for a check run of an older release"
+    )
+    kept: bool | None = Field(description="whether the check run lies below it")
 
 
 class CheckedVector(PredictedVector):
@@ -264,6 +287,11 @@ class CheckOut(BaseModel):
     weights: list[WeightOut] | None = Field(description="null: those that were proposed")
     points: int
     points_kept: int
+    other_weights: bool | None = Field(
+        default=None,
+        description="whether the weights that were on differ from those proposed by more than a tenth, so that the promise of "
+        "the correction is not for them; null for a check run of an older release",
+    )
     channels: list[CheckedChannelOut]
     limit_met: bool | None
     residual: list[CheckedPlaneOut]

@@ -96,13 +96,13 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, sai
     with database(request).reading() as session:
         row = balancings.get(session, machine_id, balancing_id)
         read, weights = row.updated_at, _weights(session, row, said.weights)
-        if said.run in [*row.steps["initial"], *(trial["run"] for trial in row.steps["trials"])]:
-            raise Unsuitable(f"run {said.run} is part of this balancing already")
+        _require_other_run(row, said.run)
         if len(row.steps["trials"]) >= MOST_TRIALS:
             raise TooManyTrials(f"balancing {balancing_id} has {MOST_TRIALS} trial runs, as many as may be: begin another one")
         machine = machines.document(session, machine_id, row.revision)
         tried = balancing_run(session, machine_id, row.revision, said.run, weights)
-    balancing_computation.require_plausible_trial(machine, tried)
+        others = [balancing_run(session, machine_id, row.revision, one, None) for one in _run_ids(row)]
+    balancing_computation.require_usable_trial(machine, tried, others)
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
         trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
@@ -151,6 +151,7 @@ def check_correction(
         weights = None if said.weights is None else _weights(session, row, said.weights)
         if row.steps["correction"] is None:
             raise StepMissing(f"balancing {balancing_id} has no correction yet, which a check run could keep")
+        _require_other_run(row, said.run)
         asked = row.steps["correction"]["asked"]
         key, read = _stamp(session, machine_id, balancing_id)
 
@@ -173,6 +174,17 @@ def check_correction(
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.CHECKED, check=step)
         return _rendered(session, row)
+
+
+def _run_ids(row: BalancingRow) -> list[int]:
+    """Return the initial and trial runs."""
+    return [*row.steps["initial"], *(trial["run"] for trial in row.steps["trials"])]
+
+
+def _require_other_run(row: BalancingRow, run: int) -> None:
+    """Raise Unsuitable for an initial or a trial run."""
+    if run in _run_ids(row):
+        raise Unsuitable(f"run {run} is part of this balancing already: each trial and the check is a run of its own")
 
 
 def _stamp(session: Session, machine_id: str, balancing_id: int) -> tuple[tuple[int, int, int | None], int]:

@@ -9,16 +9,20 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.strict_model import StrictModel
 from service.api.conventions.fields import Comment, DisplayName
-from service.api.machines.balancing_schemas import RunNumber, Weights
+from service.api.machines.balancing_schemas import RunNumber, Weights, required
 from service.security.principal import Author
 
 
 class CalibrationRunIn(StrictModel):
     """A stored run with all weights that were on."""
 
+    model_config = required("run", "weights")
+
     run: RunNumber
     weights: Weights = Field(
-        description="all that was on, also what an earlier trial left; an empty list says that there was none"
+        default=None,
+        validate_default=True,
+        description="all that was on, also what an earlier trial left; an empty list says that there was none",
     )
     mounting: DisplayName | None = Field(
         default=None, description="runs with the same name were not dismounted between; by default each run is one of its own"

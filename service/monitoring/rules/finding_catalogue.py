@@ -9,6 +9,7 @@ from typing import get_args
 from estimator.diagnosis.finding_kind import ELEMENT_LISTS, ElementKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.machine.parameter_description import describe
+from service.alerts.lifecycle import ACTIVE
 from service.monitoring.rules.drift_rule import RATE_OF_CHANGE, RATE_RULE
 from service.monitoring.rules.finding_rule import AlertRule, FindingRule
 from service.monitoring.rules.finding_rules import FINDING_RULES
@@ -85,6 +86,9 @@ ALERT_RULES: Mapping[str, AlertRule] = {**DIAGNOSIS_RULES, RATE_OF_CHANGE.name: 
 LIMITED_RULES: Mapping[str, AlertRule] = {name: rule for name, rule in ALERT_RULES.items() if rule.limits is not None}
 """Alert rules with limits, by name, in the order of display."""
 
+PRESENT: tuple[str, ...] = tuple(sorted(ACTIVE))
+"""Conditions of an alert whose cause is present."""
+
 
 def concerned_elements(rule: AlertRule) -> tuple[ElementKind, ...]:
     """Return the kinds of elements that a rule concerns."""
@@ -102,3 +106,8 @@ def is_mended_by_balancing(rule: str, element: str) -> bool:
     """Return whether balancing mends what an alert of a rule reports at an element."""
     declared = ALERT_RULES.get(rule)
     return declared is not None and describe(element).element_kind in declared.mended_by_balancing
+
+
+def speaks_against_balancing(rule: str, element: str, condition: str) -> bool:
+    """Return whether an alert's cause is present and no weight mends it: balancing would hide it."""
+    return condition in PRESENT and not is_mended_by_balancing(rule, element)

@@ -104,7 +104,7 @@ def test_columns_that_map_twice_and_files_that_are_cut_are_named(tmp_path: Path)
     mapped(tmp_path)
     whole = (tmp_path / "a.mat").read_bytes()
     (tmp_path / "a.mat").write_bytes(whole[: math.floor(0.7 * len(whole))])
-    with pytest.raises(UnreadableFile, match="not a whole MAT file"):
+    with pytest.raises(UnreadableFile, match="not a whole MAT file, cut short or damaged: copy or export it anew"):
         read_recording(tmp_path / "a.mat")
     scipy.io.savemat(tmp_path / "b.mat", {"Speed": RPM, "A": AMPLITUDE})
     with pytest.raises(UnreadableFile, match="has no column 'P'; it has Speed, A"):
@@ -138,6 +138,6 @@ def test_a_cut_mdf_file_is_told_in_one_line(tmp_path: Path, capfd: pytest.Captur
     file.append([asammdf.Signal(AMPLITUDE, RPM, name="A")])
     file.save(tmp_path / "whole.mf4")
     (tmp_path / "a.mf4").write_bytes((tmp_path / "whole.mf4").read_bytes()[:1500])
-    with pytest.raises(UnreadableFile, match="not a whole MDF file"):
+    with pytest.raises(UnreadableFile, match="not a whole MDF file, cut short or damaged: copy or export it anew"):
         read_recording(tmp_path / "a.mf4")
     assert "Traceback" not in capfd.readouterr().err

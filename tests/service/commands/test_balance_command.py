@@ -108,6 +108,15 @@ def test_a_check_run_with_other_weights_is_not_said_to_keep_the_promise(runs: li
     assert "other weights than the correction's were on (D1 40 g mm, 90°; D2 10 g mm, 0°)" in text
 
 
+def test_a_check_run_in_another_unit_or_that_came_before_is_refused(runs: list[str], tmp_path: Path) -> None:
+    heavy = {"D1": {"amount": 100.0, "unit": "kg m", "angle_deg": 0.0}}
+    check = recorded(tmp_path, "check", {}, seed=20, added_unbalance=heavy)
+    assert "check: 100 kg m on D1 would move the centre of mass" in run("balance", *runs, "--check", check, status=1)
+    told = run("balance", *runs, "--check", runs[2], status=1)
+    assert "trial-D1 holds the same vectors as trial-D1: a check run is a run of its own" in told
+    assert "initial holds the same vectors as initial" in run("balance", *runs, "--check", runs[1], status=1)
+
+
 def test_limits_holes_and_min_max(runs: list[str]) -> None:
     asked = ("--limit", "D2=30", "--holes", "D1=12,50,0,100,0.1", "--criterion", "min-max", "--plane", "D1", "--plane", "D2")
     text = run("balance", *runs, *asked)

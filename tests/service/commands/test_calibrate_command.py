@@ -15,6 +15,7 @@ from formats.files.document_files import read_machine
 from service.commands.app import app
 from tests.paths import EXAMPLES
 from tests.service.commands.command_line import run
+from tests.service.commands.recorded_run import write_run
 
 DOCUMENT = str(EXAMPLES / "rk4-rotor-kit-four-probes.yaml")
 HELD = "A005"
@@ -174,6 +175,19 @@ def test_a_keyphasor_without_pulses_is_named(tmp_path: Path, command: str) -> No
         "\n".join(",".join([*row[:place], "0", *row[place + 1 :]]) for row in rows).join([",".join(header) + "\n", "\n"])
     )
     assert "its speed is zero throughout: did the keyphasor give pulses" in run(command, DOCUMENT, file, status=1)
+
+
+@pytest.mark.parametrize(("phase", "told"), [("0", "its phases are zero throughout"), ("", "it has no phases")])
+def test_phases_that_nobody_measured_are_named(tmp_path: Path, phase: str, told: str) -> None:
+    """As a vendor's export gives them that had no keyphasor."""
+    kit = {"plant": "examples", "machine": "rk4-rotor-kit-four-probes"}
+    speed, still = np.linspace(110.0, 160.0, 20), np.full((20, 4), 3.0 + 0.0j)
+    file = Path(write_run(tmp_path / "run.csv", speed, still, channels=("P1X", "P1Y", "P2X", "P2Y"), **kit))
+    header, *rows = [line.split(",") for line in file.read_text().splitlines()]
+    emptied = [[phase if name.endswith("_p") else one for name, one in zip(header, row, strict=True)] for row in rows]
+    file.write_text("\n".join(",".join(row) for row in [header, *emptied]))
+    words = f"{told}: did the keyphasor give pulses, and are the columns of phases the right ones?"
+    assert words in run("identify", DOCUMENT, str(file), status=1)
 
 
 def test_units_that_are_mixed_among_the_trials_are_named(tmp_path: Path) -> None:

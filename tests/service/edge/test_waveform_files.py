@@ -143,7 +143,7 @@ def test_each_kind_is_read_in_pieces_from_any_sample_on(tmp_path: Path, name: st
     assert places == [first + 16_384 * k for k in range(len(chunks))]
     assert {(chunk.anchor, chunk.anchor_ns) for chunk in chunks} == {(0, START_NS)}
     # Six digits of time are what a universal file has.
-    assert all(chunk.sampling_rate == pytest.approx(RATE, rel=1e-5 if name == "a.uff" else 1e-12) for chunk in chunks)
+    assert all(chunk.sampling_rate == pytest.approx(RATE, rel=1e-12) for chunk in chunks)
 
 
 @pytest.mark.parametrize("kind", ["u1", "i2", "i4", "f4"])

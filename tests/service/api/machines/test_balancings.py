@@ -12,10 +12,11 @@ from estimator.calibration.calibrated_document import calibrated_document
 from estimator.machine.calibration import Calibration
 from estimator.machine.document import parse_machine
 from service.alerts import transitions
-from service.alerts.transitions import AlertFinding
+from service.alerts.transitions import AlertFinding, Person
 from service.api.cache.model_process import ModelProcess
 from service.api.machines import balancings
 from service.balancing.stored_runs import balancing_run
+from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import machines, timeline
 from storage.measurements import runs
@@ -121,8 +122,13 @@ def test_a_check_run_without_the_weights_shows_more_than_was_promised(store: Dat
     run = add_run(store, {}, number=9)
     checked = api("POST", f"{PATH}/{begun}/check", json={"run": run, "by": "Ada"})
     assert [one["kept"] for one in checked["check"]["channels"]][1:] == [False, False]
-    again = api("POST", f"{PATH}/{begun}/check", json={"run": run, "weights": [], "by": "Ada"})
-    assert all(one["kept"] for one in again["check"]["channels"]), "said rightly, it is as predicted"
+    assert checked["check"]["other_weights"] is False
+    promised = {one["channel"]: one["upper_um_pp"] for one in checked["correction"]["channels"]}
+    assert {one["channel"]: one["upper_um_pp"] for one in checked["check"]["channels"]} == pytest.approx(promised)
+    again = api("POST", f"{PATH}/{begun}/check", json={"run": run, "weights": [], "by": "Ada"})["check"]
+    assert all(one["kept"] for one in again["channels"]), "said rightly, it is as predicted"
+    assert again["other_weights"] is True
+    assert all(one["upper_um_pp"] > one["check_um_pp"] for one in again["channels"])
 
 
 def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong(
@@ -141,6 +147,21 @@ def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong
     told = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
     assert told.startswith("mend C1 first, no masses are proposed while something else is wrong: alert ")
     assert told.endswith("alert 3: misalignment of coupling C1")
+
+
+@pytest.mark.parametrize("latching", [False, True])
+def test_an_alert_whose_cause_is_gone_holds_no_masses_back(store: Database, api: Api, begun: int, latching: bool) -> None:
+    with store.transaction() as session:
+        row = store_identification(session, identification({"coupling.C1.kxx": 1.0}), run_id=1)
+        finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=latching)
+        alert = transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+        transitions.acknowledge(session, alert, Person("Ben"))
+    assert "mend C1 first" in api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
+    with store.transaction() as session:
+        (alert,) = alerts.open_alerts(session, KEY.machine)
+        transitions.clear_alert(session, alert)
+        assert alert.condition == ("latched_acknowledged" if latching else "normal")
+    assert api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["state"] == "proposed"
 
 
 def test_the_model_of_an_identification_is_used_where_it_predicts_better(store: Database, api: Api, begun: int) -> None:
@@ -197,6 +218,39 @@ def test_a_weight_in_a_wrong_unit_is_named_before_the_next_run_is_made(store: Da
     assert "would move the centre of mass" in told
     assert "is it in another unit? 800 g mm are 0.0008 kg m" in told
     assert api("GET", here)["trials"] == []
+
+
+@pytest.mark.parametrize("said", [{}, {"weights": None}, {"weights": []}, {"weights": "none"}])
+def test_a_trial_without_its_weight_is_told_what_to_state(api: Api, begun: int, said: dict[str, Any]) -> None:
+    answer = api("POST", f"{PATH}/{begun}/trials", 422, json={"run": 1, "by": "Ada"} | said)
+    ((where, told),) = [(one["field"], one["message"]) for one in answer["errors"]]
+    assert where == "weights"
+    assert "a trial run needs the weights that were on, a list such as [{" in told
+    misspelt = api("POST", f"{PATH}/{begun}/trials", 422, json={"run": 1, "by": "Ada", "weight": WEIGHTS["D1"]})
+    assert any("weights" in one["message"] and one["field"] == "weight" for one in misspelt["errors"])
+
+
+def test_a_trial_that_can_tell_nothing_is_refused_before_the_next_run_is_made(store: Database, api: Api, begun: int) -> None:
+    """Otherwise the balancing could not go on: a trial is not taken back."""
+    opposite = [WEIGHTS["D1"][0], WEIGHTS["D1"][0] | {"angle_deg": 180.0}]
+    body = {"run": add_run(store, {}, number=8), "weights": opposite, "by": "Ada"}
+    assert "its weights cancel each other" in api("POST", f"{PATH}/{begun}/trials", 422, json=body)["detail"]
+    copy = {"run": add_run(store, {"D1": TRIALS["D1"]}, number=2), "weights": WEIGHTS["D1"], "by": "Ada"}
+    told = api("POST", f"{PATH}/{begun}/trials", 422, json=copy)["detail"]
+    assert "hold the same vectors: one is a copy of the other" in told
+    assert len(api("GET", f"{PATH}/{begun}")["trials"]) == 2
+
+
+def test_a_check_with_the_weights_of_another_unit_or_with_a_run_that_came_before_is_refused(
+    store: Database, api: Api, begun: int
+) -> None:
+    proposed = api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})
+    heavy = [WEIGHTS["D1"][0] | {"unit": "kg m"}]
+    body = {"run": add_run(store, {}, number=9), "weights": heavy, "by": "Ada"}
+    assert "is it in another unit?" in api("POST", f"{PATH}/{begun}/check", 422, json=body)["detail"]
+    body = {"run": proposed["initial"][0], "by": "Ada"}
+    assert "is part of this balancing already" in api("POST", f"{PATH}/{begun}/check", 422, json=body)["detail"]
+    assert api("GET", f"{PATH}/{begun}") == proposed
 
 
 def test_planes_that_cannot_be_told_apart_are_named_and_one_of_them_is_left_out(store: Database, api: Api) -> None:
@@ -271,7 +325,7 @@ def test_runs_are_read_while_others_may_write_and_a_balancing_has_only_so_many_t
     api("POST", f"{here}/trials", json=trial)
     told = api("POST", f"{here}/trials", 409, json=trial | {"run": third})["detail"]
     assert "has 1 trial runs, as many as may be" in told
-    assert held == [False, False]
+    assert held == [False, False, False]
 
 
 def test_a_correction_is_stored_in_its_turn_and_not_beside_an_alert_that_came_meanwhile(
