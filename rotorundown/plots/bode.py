@@ -12,6 +12,9 @@ from rotorundown.plots.protocols import PlottedResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MOST_SPEEDS = 3
+"""Most steps of the axis of speed: the figures of more run into each other where eight channels stand side by side."""
+
 
 def bode(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figure":
     """Draw amplitude [µm pp] above phase lag [°] for some channels, all by default, with the fit's 95 % band."""
@@ -29,6 +32,7 @@ def bode(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figur
         below.plot(curve.speed_rpm, _without_wraps(lag[:, number]), color=FITTED)
         above.set_title(result.machine.channels[number])
         below.set_xlabel("r/min")
+        below.locator_params(axis="x", nbins=MOST_SPEEDS)
         below.set_ylim(360.0, 0.0)
         below.set_yticks(range(0, 361, 90))
     axes[0, 0].set_ylabel("1× [µm pp]")
