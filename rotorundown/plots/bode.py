@@ -12,8 +12,8 @@ from rotorundown.plots.protocols import PlottedResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_SPEEDS = 3
-"""Most steps of the axis of speed: the figures of more run into each other where eight channels stand side by side."""
+WIDE_ENOUGH = 4
+"""Channels side by side up to which the figures at the axes of speed do not run into each other [-]."""
 
 
 def bode(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figure":
@@ -32,12 +32,15 @@ def bode(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figur
         below.plot(curve.speed_rpm, _without_wraps(lag[:, number]), color=FITTED)
         above.set_title(result.machine.channels[number])
         below.set_xlabel("r/min")
-        below.locator_params(axis="x", nbins=MOST_SPEEDS)
+        if len(numbers) > WIDE_ENOUGH:
+            below.locator_params(axis="x", nbins=3)
+            below.tick_params(axis="x", labelsize="x-small")
         below.set_ylim(360.0, 0.0)
         below.set_yticks(range(0, 361, 90))
     axes[0, 0].set_ylabel("1× [µm pp]")
     axes[1, 0].set_ylabel("phase lag [°]")
-    axes[0, 0].legend(fontsize="small")
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    drawn.legend(handles, names, fontsize="small", loc="outside upper right", ncols=len(names))
     return drawn
 
 

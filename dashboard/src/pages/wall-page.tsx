@@ -28,7 +28,7 @@ export function WallPage() {
       <Loaded result={result} lines={20}>
         {({ machines }) => (
           <ol class="wall">
-            {[...machines].sort((a, b) => needOrder(b) - needOrder(a) || a.name.localeCompare(b.name)).map((one) => (
+            {[...machines].sort((a, b) => needOrder(b) - needOrder(a) || b.unacknowledged - a.unacknowledged || a.name.localeCompare(b.name)).map((one) => (
               <Tile key={one.id} one={one} />
             ))}
           </ol>
@@ -50,7 +50,7 @@ function Clock() {
 
 function Tile({ one }: { one: FleetMachine }) {
   const units = useUnits();
-  const severity = one.first_alert?.severity ?? "calm";
+  const severity = one.vibration_beyond_danger ? "danger" : (one.first_alert?.severity ?? "calm");
   return (
     <li class={`tile ${severity}`} data-machine={one.id}>
       <h2>{one.name}</h2>
