@@ -11,6 +11,8 @@ from service.wording.language import ENGLISH, Language
 SIZE, RADIUS = 164.0, 60.0
 POINTS = 120
 NAME_SIZE = 7.0
+REACH = 50.0
+"""Reach of the largest orbit: names of axes and of most probes stand outside of it [px]."""
 BAR_AT = RADIUS + 24.0
 """Height of the scale's bar, below the name of a probe that looks upwards."""
 
@@ -20,7 +22,7 @@ def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, 
     paths = [(colour, _path(place, one)) for colour, one in ((BEFORE, before), (FITTED, now)) if one is not None]
     largest = max(float(np.abs(one).max()) for _, one in paths)
     step = round_step(max(largest, 1e-9) / 2.0)
-    scale = RADIUS / max(largest, step)
+    scale = REACH / max(largest, step)
     parts = [segment(-RADIUS, 0, RADIUS, 0, GRID), segment(0, -RADIUS, 0, RADIUS, GRID)]
     parts += [label(RADIUS - 4, 9, "x"), label(6, -RADIUS + 6, "y")]
     for angle, channel in zip(place.angle, place.channels, strict=True):
