@@ -23,8 +23,8 @@ from tests.browser.story import ZONE, installed, launch
 PICTURE = Path(__file__).parents[1] / "docs" / "page.png"
 MACHINE = "motor-pump"
 SERVING = "Serving until Ctrl-C"
-WINDOW = ViewportSize(width=1200, height=760)
-COLOURS = 64
+WINDOW = ViewportSize(width=1440, height=1120)
+COLOURS = 128
 """Number of colours of the picture, which keeps it small."""
 LARGEST_BYTES = 150_000
 """Most that the picture may take."""

@@ -40,7 +40,7 @@ print(result)
 result["coupling.C1.kxx"]
 
 # %%
-result.to_frame()
+result.to_frame()[["value", "lower", "upper", "unit"]]
 
 # %% [markdown]
 # Points are measured, lines are the model with the values found, bands its 95 % interval.

@@ -12,6 +12,9 @@ from rotorundown.plots.protocols import PlottedResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+WIDE_ENOUGH = 4
+"""Channels side by side up to which the figures at the axes of speed do not run into each other [-]."""
+
 
 def bode(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figure":
     """Draw amplitude [µm pp] above phase lag [°] for some channels, all by default, with the fit's 95 % band."""
@@ -29,11 +32,15 @@ def bode(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figur
         below.plot(curve.speed_rpm, _without_wraps(lag[:, number]), color=FITTED)
         above.set_title(result.machine.channels[number])
         below.set_xlabel("r/min")
+        if len(numbers) > WIDE_ENOUGH:
+            below.locator_params(axis="x", nbins=3)
+            below.tick_params(axis="x", labelsize="x-small")
         below.set_ylim(360.0, 0.0)
         below.set_yticks(range(0, 361, 90))
     axes[0, 0].set_ylabel("1× [µm pp]")
     axes[1, 0].set_ylabel("phase lag [°]")
-    axes[0, 0].legend(fontsize="small")
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    drawn.legend(handles, names, fontsize="small", loc="outside upper right", ncols=len(names))
     return drawn
 
 

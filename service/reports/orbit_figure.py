@@ -10,6 +10,11 @@ from service.wording.language import ENGLISH, Language
 
 SIZE, RADIUS = 164.0, 60.0
 POINTS = 120
+NAME_SIZE = 7.0
+REACH = 50.0
+"""Reach of the largest orbit: names of axes and of most probes stand outside of it [px]."""
+BAR_AT = RADIUS + 24.0
+"""Height of the scale's bar, below the name of a probe that looks upwards."""
 
 
 def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, language: Language = ENGLISH) -> str:
@@ -17,20 +22,26 @@ def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, 
     paths = [(colour, _path(place, one)) for colour, one in ((BEFORE, before), (FITTED, now)) if one is not None]
     largest = max(float(np.abs(one).max()) for _, one in paths)
     step = round_step(max(largest, 1e-9) / 2.0)
-    scale = RADIUS / max(largest, step)
+    scale = REACH / max(largest, step)
     parts = [segment(-RADIUS, 0, RADIUS, 0, GRID), segment(0, -RADIUS, 0, RADIUS, GRID)]
-    parts += [label(RADIUS - 4, -3, "x"), label(6, -RADIUS + 6, "y")]
+    parts += [label(RADIUS - 4, 9, "x"), label(6, -RADIUS + 6, "y")]
     for angle, channel in zip(place.angle, place.channels, strict=True):
         px, py = (RADIUS + 6) * np.cos(angle), -(RADIUS + 6) * np.sin(angle)
         parts.append(segment(0.93 * px, 0.93 * py, px, py, INK, width=2.0))
-        parts.append(label(px, py + (10 if py > 0 else -4), channel, size=7))
+        parts.append(_name(float(px), float(py) + (10 if py > 0 else -4), channel))
     for colour, path in paths:
         parts.append(curve(path[:, 0] * scale, -path[:, 1] * scale, colour, dashed=colour == BEFORE))
         parts.append(dots(path[:1, 0] * scale, -path[:1, 1] * scale, colour, radius=2.6))
     bar = step * scale
-    parts.append(segment(-bar / 2, RADIUS + 14, bar / 2, RADIUS + 14, INK, width=1.2))
-    parts.append(label(bar / 2 + 4, RADIUS + 17, f"{rounded(step, 1, language)} µm", anchor="start"))
-    return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
+    parts.append(segment(-bar / 2, BAR_AT, bar / 2, BAR_AT, INK, width=1.2))
+    parts.append(label(bar / 2 + 4, BAR_AT + 3, f"{rounded(step, 1, language)} µm", anchor="start"))
+    return svg("".join(parts), SIZE, SIZE / 2 + BAR_AT + 8, left=-SIZE / 2, top=-SIZE / 2)
+
+
+def _name(x: float, y: float, channel: str) -> str:
+    """Return the name of a probe; one that would go over the figure's edge lies within it."""
+    within = SIZE / 2.0 - 0.32 * NAME_SIZE * len(channel)
+    return label(float(np.clip(x, -within, within)) if within > 0.0 else 0.0, y, channel, size=NAME_SIZE)
 
 
 def _path(place: ProbeStation, phasors: Complexes) -> Floats:

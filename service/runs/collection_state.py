@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from estimator.runs.operating_state import OperatingState
 from estimator.runs.speed_bins import SpeedBins
-from service.runs.danger_level import DangerLevel
+from service.runs.danger_level import DangerWatch
 from service.runs.late_samples import Window
 from storage.clock import is_ahead
 from storage.measurements import runs
@@ -22,7 +22,7 @@ class CollectionState:
     revision: revision of the document. seen: time of the newest known sample [ns]. direction: direction of rotation, as last
     reported. late: windows of late samples. bins, rolled_at: bins of rolling collection, and when it last started anew [ns].
     slowest, fastest: the speeds between which it has turned since the document's revision, 0 before it has [rad/s].
-    beyond_danger: level of the newest sample where it is beyond the danger limit of that revision.
+    danger: what is known of vibration beyond the danger limit of that revision.
     """
 
     revision: int
@@ -34,7 +34,7 @@ class CollectionState:
     rolled_at: int = 0
     slowest: float = 0.0
     fastest: float = 0.0
-    beyond_danger: DangerLevel | None = None
+    danger: DangerWatch = field(default_factory=DangerWatch)
 
     @classmethod
     def restored(cls, stored: dict[str, Any]) -> Self:
@@ -51,7 +51,7 @@ class CollectionState:
             rolled_at=stored.get("rolled_at", 0),
             slowest=stored.get("slowest", 0.0),
             fastest=stored.get("fastest", 0.0),
-            beyond_danger=DangerLevel.restored(stored.get("beyond_danger")),
+            danger=DangerWatch.restored(stored.get("danger")),
         )
 
     @property
@@ -81,7 +81,7 @@ class CollectionState:
             "rolled_at": self.rolled_at,
             "slowest": self.slowest,
             "fastest": self.fastest,
-            "beyond_danger": None if self.beyond_danger is None else self.beyond_danger.stored(),
+            "danger": self.danger.stored(),
         }
 
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
-from estimator.runs.operating_state import ModeChanged, OperatingEvent, OperatingLimits, advance, silence
+from estimator.runs.operating_state import Mode, ModeChanged, OperatingEvent, OperatingLimits, advance, silence
 from estimator.runs.segmentation import RunEnded, RunStarted
 from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
 from service.runs.collection_state import CollectionState, state_of, states_of
-from service.runs.danger_level import DangerLevel
+from service.runs.danger_level import DangerWatch, watched
 from service.runs.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
 from storage.encoding.sample_blocks import Samples
@@ -77,15 +77,16 @@ class Collector:
             self.late.note(session, machine.id, now, new.time[late])
         fresh = new.pick(~late)
         fresh = fresh.pick(np.concatenate([[True], fresh.time[1:] > fresh.time[:-1]])[: len(fresh)])
+        modes: list[Mode] = []
         for moment, speed, direction in zip(fresh.time.tolist(), fresh.speed.tolist(), fresh.direction.tolist(), strict=True):
             now.seen, now.direction = moment, direction
             now.operating, events = advance(now.operating, limits, time=moment, speed=speed, direction=direction)
+            modes.append(now.operating.mode)
             if now.operating.mode not in ("stopped", "unknown"):
                 now.note_speed(now.operating.sweep.believed_speed)
             for event in events:
                 _record(session, machine, revision, direction, event)
-        if len(fresh):
-            now.beyond_danger = DangerLevel.of_newest(machine, fresh)
+        now.danger = watched(now.danger, machine, fresh, modes)
         if machine.collection.runs != "sweeps" and len(fresh):
             _fill_bins(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
         runs.save_collector_state(session, machine.id, now.stored())
@@ -119,6 +120,7 @@ def _revise(session: Session, machine_id: str, now: CollectionState, revision: i
     _silence(session, machine_id, now, reason="the machine's document was revised")
     now.revision, now.bins, now.rolled_at = revision, None, 0
     now.slowest = now.fastest = 0.0
+    now.danger = DangerWatch()
 
 
 def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -138,6 +140,7 @@ def _set_back(session: Session, machine_id: str, now: CollectionState, *, seen: 
 def _silence(session: Session, machine_id: str, now: CollectionState, *, reason: str) -> None:
     machine = machines.document(session, machine_id, now.revision)
     now.operating, events = silence(now.operating, OperatingLimits.of(machine), reason=reason)
+    now.danger = now.danger.interrupted()
     for event in events:
         _record(session, machine, now.revision, now.direction, event)
 

@@ -97,7 +97,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "{said}",
     "urgent.drift_no_time": "No time to a limit of its size can be given: {said}",
     "urgent.newest": "the newest run by itself shows {newest:.0f} {unit}; ",
-    "urgent.newest_mean": "the mean of the {count} elements, which limits are for, is {size:.0f} %, "
+    "urgent.newest_mean": "the mean of the {count} elements that the limits are for is {size:.0f} %, "
     "in the newest run by itself {newest:.0f} %; ",
     "urgent.runs_needed": "{runs} runs since it began, and {needed} tell how fast it grows",
     "urgent.run_needed": "1 run since it began, and {needed} tell how fast it grows",

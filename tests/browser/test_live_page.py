@@ -1,12 +1,13 @@
 """The page follows what happens, in many tabs, and survives a service that is gone."""
 
+import csv
 import re
 import signal
 import subprocess
 import threading
 
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import drawn, wait_drawn
@@ -126,6 +127,43 @@ def test_a_live_run_is_followed(seen: Seen, service: Service) -> None:
     source.join(60)
     expect(seen.page.locator("table").get_by_text("run-up")).to_be_visible()
     assert seen.errors == []
+
+
+def test_a_live_run_is_drawn_over_an_earlier_one_of_its_kind(seen: Seen, service: Service) -> None:
+    """The newest run is said to be going on: nothing depends on how fast one grows. What is drawn is of the service."""
+    runs = service.get(f"/machines/{MACHINE}/runs")
+    now = runs[0]
+    earlier = [run for run in runs[1:] if run["kind"] == now["kind"]]
+
+    def going_on(route: Route) -> None:
+        going = {"id": now["id"], "kind": now["kind"], "started_at": now["started_at"], "progress": 0.5}
+        route.fulfill(json={**route.fetch().json(), "run": going})
+
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/state"), going_on)
+    seen.open(f"machines/{MACHINE}")
+    panel = seen.page.locator(".live")
+    chosen = panel.get_by_label("Overlay")
+    expect(chosen.locator("option")).to_have_count(1 + len(earlier))
+    expect(panel.get_by_text("overlaid run")).to_have_count(0)
+    alone = columns(panel)
+    assert len(alone) > 1
+    chosen.select_option(str(earlier[-1]["id"]))
+    expect(seen.page).to_have_url(re.compile(rf"reference={earlier[-1]['id']}$"))
+    expect(panel.get_by_text("overlaid run")).to_be_visible()
+    until(lambda: len(columns(panel)) > len(alone), within_s=20, what="the earlier run is there")
+    assert columns(panel) == [alone[0], *(f"{name}, overlaid run" for name in alone[1:]), *alone[1:]]
+    seen.picture("live-run-overlaid")
+    chosen.select_option("")
+    until(lambda: columns(panel) == alone, within_s=20, what="the earlier run is gone")
+    assert seen.errors == []
+
+
+def columns(panel: Locator) -> list[str]:
+    """Return the names of what a plot shows, as its data name them."""
+    with panel.page.expect_download() as told:
+        panel.get_by_role("button", name="CSV").click()
+    with told.value.path().open(encoding="utf-8-sig", newline="") as data:
+        return [name.removesuffix(" [µm pp]") for name in next(csv.reader(data))]
 
 
 def test_a_maintenance_is_written_down(seen: Seen, service: Service) -> None:

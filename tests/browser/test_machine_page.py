@@ -12,6 +12,15 @@ from tests.browser.drawing import SEEN, SEEN_AGAIN, drawn, wait_drawn
 from tests.browser.story import MACHINE
 from tests.end_to_end.processes import Service, example, until
 
+BEYOND_DANGER = {
+    "channel": "B2X",
+    "amplitude_um_pp": 150.0,
+    "danger_um_pp": 120.0,
+    "speed_rpm": 2980.0,
+    "first_at": "2026-11-20T12:00:00Z",
+    "last_at": "2026-11-20T12:01:00Z",
+}
+
 
 def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
     seen.open()
@@ -26,12 +35,14 @@ def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
 def test_fleet_names_identifications_that_failed_and_speeds_out_of_range(seen: Seen, service: Service) -> None:
     fleet = service.get("/fleet")
     wrong = {"failed_job": {"id": 7, "error": "NotEnoughData"}, "outside_speed_range": "it turned at 9 r/min"}
-    wrong |= {"vibration_beyond_danger": {"channel": "B2X", "amplitude_um_pp": 150.0, "danger_um_pp": 120.0}}
+    wrong |= {"vibration_beyond_danger": BEYOND_DANGER}
     fleet["machines"] = [one | wrong for one in fleet["machines"]]
     seen.page.route(re.compile("/api/v1/fleet"), lambda route: route.fulfill(json=fleet))
     seen.open()
     needed = seen.page.locator(f"tr[data-machine={MACHINE}] .needs")
-    expect(needed).to_contain_text("act on vibration beyond its danger limit at B2X")
+    expect(needed).to_contain_text("act on 1× at B2X beyond its danger limit: 150 of 120 µm pp at 2980 rpm")
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_p,hz")
+    expect(needed).to_contain_text("2.95 of 2.36 mil 0-pk at 49.67 Hz")
     expect(needed).to_contain_text("see to an identification that failed")
     expect(needed).to_contain_text("check its speeds: it never came into its range")
     assert seen.errors == []

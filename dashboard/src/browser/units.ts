@@ -32,6 +32,8 @@ export const UNIT_CHOICES: [string, Units][] = Object.entries(SPEEDS).flatMap(([
   Object.entries(AMPLITUDES).map(([name, amplitude]): [string, Units] => [`${name},${speedName}`, { amplitude, length: name.startsWith("mil") ? MILS : MICROMETRES, speed }]),
 );
 
+export const DEFAULT_UNITS = UNIT_CHOICES[0]![1];
+
 function saved(): string {
   const name = window.localStorage.getItem(STORAGE_KEY);
   return UNIT_CHOICES.some(([one]) => one === name) ? name! : UNIT_CHOICES[0]![0];

@@ -727,7 +727,7 @@ export const de: Record<Key, string> = {
   judgeAlerts: "{what} beurteilen",
   anAlert: "einen Alarm",
   countedAlerts: "{count} Alarme",
-  actOnVibration: "auf Schwingung über ihrer Gefahrengrenze an {channel} reagieren",
+  actOnVibration: "auf 1× an {channel} über der Gefahrengrenze reagieren: {amplitude} bei einer Grenze von {limit} {unit}, bei {speed}, zuletzt {when}",
   actOnADanger: "auf eine Gefahr reagieren",
   mendItsDataSomeWere: "die Daten richten: einige wurden abgewiesen",
   seeToAFailedJob: "sich um eine fehlgeschlagene Identifikation kümmern",

@@ -726,7 +726,7 @@ export const en = {
   judgeAlerts: "judge {what}",
   anAlert: "an alert",
   countedAlerts: "{count} alerts",
-  actOnVibration: "act on vibration beyond its danger limit at {channel}",
+  actOnVibration: "act on 1× at {channel} beyond its danger limit: {amplitude} of {limit} {unit} at {speed}, last {when}",
   actOnADanger: "act on a danger",
   mendItsDataSomeWere: "mend its data: some were refused",
   seeToAFailedJob: "see to an identification that failed",

@@ -1,6 +1,7 @@
 // The fleet for a screen on the wall: large, without anything to click, always current.
 import { useEffect, useState } from "preact/hooks";
 import { link } from "../browser/router";
+import { useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { OperatingState } from "../components/operating-state";
 import { Severity } from "../components/severity";
@@ -27,7 +28,7 @@ export function WallPage() {
       <Loaded result={result} lines={20}>
         {({ machines }) => (
           <ol class="wall">
-            {[...machines].sort((a, b) => needOrder(b) - needOrder(a) || a.name.localeCompare(b.name)).map((one) => (
+            {[...machines].sort((a, b) => needOrder(b) - needOrder(a) || b.unacknowledged - a.unacknowledged || a.name.localeCompare(b.name)).map((one) => (
               <Tile key={one.id} one={one} />
             ))}
           </ol>
@@ -48,7 +49,8 @@ function Clock() {
 }
 
 function Tile({ one }: { one: FleetMachine }) {
-  const severity = one.first_alert?.severity ?? "calm";
+  const units = useUnits();
+  const severity = one.vibration_beyond_danger ? "danger" : (one.first_alert?.severity ?? "calm");
   return (
     <li class={`tile ${severity}`} data-machine={one.id}>
       <h2>{one.name}</h2>
@@ -60,7 +62,7 @@ function Tile({ one }: { one: FleetMachine }) {
           <Severity severity={one.first_alert.severity} acknowledged={one.unacknowledged === 0} />: {alertTitle(one.first_alert)}
         </p>
       )}
-      <p class="muted">{needs(one)[0]?.words ?? t("needsNobody")}</p>
+      <p class="muted">{needs(one, units)[0]?.words ?? t("needsNobody")}</p>
     </li>
   );
 }

@@ -1,5 +1,6 @@
 // The machines of the fleet: their states, open alerts, last runs and identifications, and recent changes.
 import { link } from "../browser/router";
+import { useUnits } from "../browser/units";
 import { OperatingState } from "../components/operating-state";
 import { Scroll } from "../components/scroll";
 import { Severity } from "../components/severity";
@@ -41,6 +42,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
 }
 
 function Row({ one }: { one: FleetMachine }) {
+  const units = useUnits();
   return (
     <tr data-machine={one.id}>
       <td class="open">
@@ -53,7 +55,7 @@ function Row({ one }: { one: FleetMachine }) {
         </div>
       </td>
       <td class="needs">
-        {needs(one).map(({ words }) => (
+        {needs(one, units).map(({ words }) => (
           <div key={words}>{words}</div>
         ))}
       </td>

@@ -86,8 +86,15 @@ export interface FleetMachine {
   first_alert: { id: number; severity: string; rule: string; element: string; state: string } | null;
   /** Why it has no run, where it turns outside of its speed range. */
   outside_speed_range: string | null;
-  /** The largest 1× of the newest sample where it is beyond the danger limit [µm pp]. */
-  vibration_beyond_danger: { channel: string; amplitude_um_pp: number; danger_um_pp: number } | null;
+  /** A 1× beyond the danger limit at running speed, or for long, until it is below again at running speed [µm pp]. */
+  vibration_beyond_danger: {
+    channel: string;
+    amplitude_um_pp: number;
+    danger_um_pp: number;
+    speed_rpm: number;
+    first_at: string;
+    last_at: string;
+  } | null;
   /** An identification that failed, after which none has ended well. */
   failed_job: { id: number; error: string | null } | null;
   happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline" | "refused", number>;

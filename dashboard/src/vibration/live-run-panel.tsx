@@ -38,10 +38,14 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
     <>
       {phasors && (
         <p class="muted">
-          {chosen && t("overlaidRunLegend", { of: "" })} {slowRollOf(phasors)}
+          {[chosen && t("overlaidRunLegend", { of: "" }), slowRollOf(phasors)].filter(Boolean).join("; ")}
         </p>
       )}
-      {earlier.length > 0 && <OverlaySelect runs={earlier} chosen={chosen} />}
+      {earlier.length > 0 && (
+        <div class="choices">
+          <OverlaySelect runs={earlier} chosen={chosen} />
+        </div>
+      )}
     </>
   );
   return (

@@ -75,11 +75,17 @@ class FailedJob(BaseModel):
 
 
 class BeyondDanger(BaseModel):
-    """The largest 1× of the newest sample, as measured, where it is beyond the document's danger limit."""
+    """A 1× beyond the document's danger limit, as measured: at running speed in three samples on end, or for a minute at any.
+
+    It stays, through a trip and a standstill, until the machine has run below the limit at running speed for five minutes.
+    """
 
     channel: str
-    amplitude_um_pp: float
+    amplitude_um_pp: float = Field(description="the largest while it was beyond")
     danger_um_pp: float
+    speed_rpm: float = Field(description="at that amplitude")
+    first_at: datetime
+    last_at: datetime
 
 
 class FleetMachine(BaseModel):
@@ -100,7 +106,7 @@ class FleetMachine(BaseModel):
     unacknowledged: int = Field(description="open alerts that nobody has seen")
     first_alert: FirstAlert | None
     outside_speed_range: str | None = Field(description="why it has no run, where it turns outside of its speed range")
-    vibration_beyond_danger: BeyondDanger | None = Field(description="null while the machine's state is unknown")
+    vibration_beyond_danger: BeyondDanger | None
     failed_job: FailedJob | None
     happened: Happened
 

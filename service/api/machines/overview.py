@@ -105,13 +105,16 @@ def _without_run(one: MachineGlance, standing: CollectionState | None) -> str | 
 
 
 def _beyond_danger(one: MachineGlance, standing: CollectionState | None) -> OverviewRow | None:
-    level = None if standing is None else standing.beyond_danger
-    if standing is None or level is None or standing.operating.mode == "unknown" or standing.revision != one.machine.revision:
+    level = None if standing is None else standing.danger.told
+    if standing is None or level is None or standing.revision != one.machine.revision:
         return None
     return {
         "channel": level.channel,
         "amplitude_um_pp": level.amplitude / MICROMETRES,
         "danger_um_pp": level.limit / MICROMETRES,
+        "speed_rpm": rad_per_s_to_rpm(level.speed),
+        "first_at": to_datetime(level.first),
+        "last_at": to_datetime(level.last),
     }
 
 

@@ -103,7 +103,7 @@ def test_the_size_of_several_elements_is_told_as_their_mean() -> None:
     """Otherwise +53 % stands above and 36 % below, and a reader takes one of them for wrong."""
     bearing = PART | {"name": "bearing.B2.coefficients", "value": 4.0}
     urgent = told("misalignment", "coupling.C1", parts=[PART, bearing], per_cent=8.0, progress=GROWING).how_urgent
-    words = "the mean of the 2 elements, which limits are for, is 8 %, in the newest run by itself 12 %; it grows"
+    words = "the mean of the 2 elements that the limits are for is 8 %, in the newest run by itself 12 %; it grows"
     assert words in urgent.words
 
 

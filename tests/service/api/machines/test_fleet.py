@@ -103,34 +103,38 @@ def test_wrong_questions_are_refused(api: Api) -> None:
     assert fields(api.get("/fleet", limit=0)) == ["query.limit"]
 
 
-def test_a_vibration_beyond_its_danger_limit_is_told_until_a_sample_is_below_it(database: Database) -> None:
-    limits = {"running_rpm": 1500.0, "vibration_danger": 6e-5}
+def test_a_vibration_beyond_its_danger_limit_is_told_until_it_runs_below_it(database: Database) -> None:
+    limits = {"running_rpm": 1400.0, "vibration_danger": 6e-5}
     with database.transaction() as session:
         machines.create(session, machine(operation=limits))
     journal, told = PromptJournal(database, Collector()), Api(database)
 
     def newest(number: int) -> Any:
-        since = f"2026-01-01T00:00:0{number}Z"  # an address of its own: kept answers may be half a second old
+        since = f"2026-01-01T00:00:{number:02}Z"  # an address of its own: kept answers may be half a second old
         return told.value("/fleet", since=since)["machines"][0]["vibration_beyond_danger"]
 
-    def send(sequence: int, um_pp: float, status: str = "good") -> Any:
-        rpm = [1400.0, 1401.0]
-        amplitude = [[100.0] * len(CHANNELS) for _ in rpm]
-        amplitude[-1][1] = um_pp
-        marks = [["good"] * len(CHANNELS) for _ in rpm]
-        marks[-1][1] = status
-        sent = batch(rpm, sequence=sequence, start=START + 2 * sequence * SECOND, amplitude=amplitude, status=marks)
+    def send(sequence: int, um_pp: float, *, rpm: float = 1400.0, step_s: int = 1, status: str = "good") -> Any:
+        amplitude, marks = [100.0] * len(CHANNELS), ["good"] * len(CHANNELS)
+        amplitude[1], marks[1] = um_pp, status
+        times = {"start": START + 30 * sequence * SECOND, "step": step_s * SECOND}
+        sent = batch([rpm] * 3, sequence=3 * sequence, amplitude=[amplitude] * 3, status=[marks] * 3, **times)
         journal.store([arrived(sent)], [])
         return newest(sequence)
 
     assert send(0, 119.0) is None
-    assert send(1, 150.0) == {
+    assert send(1, 150.0, status="bad") is None, "a value that its source calls bad is none"
+    assert send(2, 150.0) == {
         "channel": CHANNELS[1],
         "amplitude_um_pp": pytest.approx(150.0),
         "danger_um_pp": pytest.approx(120.0),
+        "speed_rpm": pytest.approx(1400.0),
+        "first_at": "2023-11-14T22:14:20Z",
+        "last_at": "2023-11-14T22:14:22Z",
     }
-    assert send(2, 150.0, status="bad") is None, "a value that its source calls bad is none"
-    assert send(3, 150.0) is not None
+    assert send(3, 10.0, rpm=10.0) is not None, "it was stopped, and nobody has looked"
+    assert send(4, 100.0) is not None, "it has run below for seconds only"
+    assert send(5, 100.0, step_s=200) is None
+    assert send(20, 150.0) is not None
     with database.transaction() as session:
         machines.revise(session, machine(operation=limits | {"vibration_danger": 9e-5}))
-    assert newest(4) is None, "its limit is another one now"
+    assert newest(30) is None, "its limit is another one now"

@@ -1,13 +1,19 @@
 """Tests what was identified since a cursor, in all formats, and trends as line protocol."""
 
 import io
+import re
+from typing import Any
 
+import httpx
+import pandas
+import pytest
 from arro3.io import read_parquet
 
 from service.api.trends import filed as filed_module
 from storage.database.engine import Database
 from storage.findings import filed_estimates
 from tests.api_in_process import PREFIX, Api
+from tests.paths import ROOT
 from tests.plant import KEY, START, identification, store_identification
 
 
@@ -96,3 +102,22 @@ def test_a_cached_trend_in_line_protocol_is_compressed_as_the_first_was(plant: D
     assert first.text == cached.text
     assert first.status_code == 200, first.text
     assert [one.headers.get("content-encoding") for one in (first, cached)] == ["gzip", "gzip"]
+
+
+def frame(file: io.BytesIO) -> pandas.DataFrame:
+    """Read Parquet as `pandas.read_parquet` does where pyarrow is installed, which the tests do without."""
+    table = read_parquet(file).read_all()
+    return pandas.DataFrame({name: table[name].to_pylist() for name in table.schema.names})
+
+
+def test_the_notebook_lines_of_the_page_on_grafana_read_everything(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    ids = stored(plant, 1, 2, 3)
+    page = (ROOT / "docs" / "grafana.md").read_text(encoding="utf-8")
+    (printed,) = re.findall(r"^```python\n(import io, httpx.*?)^```", page, re.MULTILINE | re.DOTALL)
+    monkeypatch.setattr(httpx, "get", Api(plant).http.get)
+    monkeypatch.setattr(pandas, "read_parquet", frame)
+    known: dict[str, Any] = {}
+    exec(printed, known)
+    assert known["after"] == ids[-1]
+    assert {"bearing.B1.kxx", "coupling.C1.kxx"} <= set(known["frame"]["parameter"])
+    assert set(known["frame"]["identification"]) == set(ids)
