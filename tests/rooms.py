@@ -93,8 +93,8 @@ service/advice: estimator estimator/diagnosis formats/files service/alerts servi
 service/delivery: estimator service/advice service/alerts service/configuration service/monitoring/rules
     service/replication service/resilience service/secrets service/wording storage storage/alerts storage/backup
     storage/database storage/encoding storage/machines storage/operation storage/tables
-service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage storage/database
-    storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/runs: estimator estimator/machine estimator/phasors estimator/runs service/replication service/resilience storage
+    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience service/wording storage
     storage/database storage/encoding storage/operation storage/tables
 service/opcua: estimator estimator/machine estimator/rotor estimator/updated_model rotorundown/environment

@@ -8,10 +8,10 @@ def decimals(half: float) -> int:
     """Return the decimals that show two digits of a half width, three at most.
 
     Args:
-        half: Half width of an interval, in the unit in which it is told; 0 where there is none.
+        half: Half width of an interval [unit in which it is told]; 0 where there is none.
 
     Returns:
-        Number of decimals.
+        Number of decimals [-].
     """
     if half == 0.0:
         return 2

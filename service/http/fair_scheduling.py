@@ -19,7 +19,7 @@ PERSON = "person"
 CREDENTIALS = frozenset({b"authorization", b"cookie"})
 """Headers with what people log in."""
 MOST_LET_IN = 2000
-"""Number of credentials that are remembered."""
+"""Number of credentials that are recorded."""
 AT_ONCE_S = 0.001
 """Time in one iteration of the event loop after which no further request begins [s]."""
 
@@ -47,7 +47,7 @@ class FairScheduling:
             turns = self._turns.get(loop) or self._turns.setdefault(loop, RoundRobinQueue())
             await turns.wait(scope, self._people.person(scope))
         await self._app(scope, receive, send)
-        self._people.remember(scope)
+        self._people.record(scope)
 
 
 class LatelyLetIn:
@@ -60,8 +60,8 @@ class LatelyLetIn:
         """Return who was let in with a request's credentials; "" for everybody else."""
         return self._people.get(_credentials(scope), "")
 
-    def remember(self, scope: Scope) -> None:
-        """Remember whom the guard has let in with a request's credentials, if anybody."""
+    def record(self, scope: Scope) -> None:
+        """Record whom the guard has let in with a request's credentials, if anybody."""
         person = scope.get("state", {}).get(PERSON, "")
         if person:
             place = _credentials(scope)

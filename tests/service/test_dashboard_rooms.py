@@ -15,7 +15,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "declarations": set(),
     "findings": {"declarations", "format", "messages"},
     "schemas": {"findings"},
-    "words": {"declarations", "findings", "format", "messages", "schemas"},
+    "words": {"browser", "declarations", "findings", "format", "messages", "schemas"},
     "data": {"browser", "messages", "schemas"},
     "components": {"browser", "data", "format", "messages", "schemas"},
     "dialogs": {"components", "data", "declarations", "findings", "format", "messages", "schemas", "words"},

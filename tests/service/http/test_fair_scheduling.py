@@ -126,10 +126,10 @@ def let_in(key: bytes, person: str) -> Scope:
 def test_credentials_of_whom_nobody_let_in_lately_are_forgotten() -> None:
     people = LatelyLetIn()
     for number in range(MOST_LET_IN + 1):
-        people.remember(let_in(b"%d" % number, f"person {number}"))
+        people.record(let_in(b"%d" % number, f"person {number}"))
     assert people.person(asked("10.0.0.1", key=b"0")) == ""
     assert people.person(asked("10.0.0.2", key=b"1")) == "person 1"
-    people.remember(let_in(b"made up", ""))
+    people.record(let_in(b"made up", ""))
     assert people.person(asked("10.0.0.1", key=b"made up")) == ""
 
 
