@@ -106,7 +106,7 @@ def test_a_later_table_without_a_sidecar_is_told_from_the_mark(calibrated: tuple
     columns = ",".join(f"{channel}_um_pp,{channel}_lag_deg" for channel in channels)
     table.write_text(f"speed_rpm,{columns}\n1004.0,10.5,-35.0,14.0,-50.0,41.0,-5.0,20.0,-70.0\n")
     text = run("identify", str(calibrated[1]), str(table), status=1)
-    assert "NOT TO BE USED, of a refused fit: unbalance gained" in text
+    assert "NOT TO BE USED, the fit is refused. Unbalance gained" in text
     assert "angles from +x towards +y" in text
 
 
