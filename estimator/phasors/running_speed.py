@@ -7,13 +7,10 @@ levels and gaps, which have no phase, the plain mean.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.phasors.harmonic_ratio import Orders
-
-NEAR = 0.02
-"""Part of the running speed within which a sample counts [-]: amplitude and phase change with the speed."""
+from estimator.phasors.near_speed import near_running_speed
 
 
 @dataclass(frozen=True)
@@ -48,19 +45,6 @@ def running_speed_vectors(run: Orders, *, running_speed: float) -> RunningSpeedV
     if count == 0:
         return None
     return RunningSpeedVectors(float(np.mean(run.speed[near])), count, _mean(run.first[near]), _mean(run.second[near]))
-
-
-def near_running_speed(speed: Floats, running_speed: float) -> NDArray[np.bool_]:
-    """Return which speeds are within NEAR of the running speed.
-
-    Args:
-        speed: Speeds (S,) [rad/s].
-        running_speed: The running speed [rad/s].
-
-    Returns:
-        For each (S,) whether it is [-].
-    """
-    return np.asarray(np.abs(speed - running_speed) <= NEAR * running_speed)
 
 
 def mean_level(levels: Floats) -> Floats:

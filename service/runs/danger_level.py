@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.machine.document import Machine
-from estimator.phasors.running_speed import near_running_speed
+from estimator.phasors.near_speed import near_running_speed
 from estimator.runs.operating_state import Mode
 from estimator.units import rpm_to_rad_per_s
 from storage.encoding.sample_blocks import Samples

@@ -11,7 +11,8 @@ from sqlalchemy.orm import Session
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import Orders
-from estimator.phasors.running_speed import mean_level, near_running_speed, running_speed_vectors
+from estimator.phasors.near_speed import near_running_speed
+from estimator.phasors.running_speed import mean_level, running_speed_vectors
 from storage.encoding.sample_blocks import DamagedBlock
 from storage.machines import machines
 from storage.measurements import runs

@@ -8,7 +8,8 @@ from fastapi import APIRouter, Query, Request
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.machine.rules import SeverityZones
-from estimator.phasors.running_speed import near_running_speed, speed_of_trend
+from estimator.phasors.near_speed import near_running_speed
+from estimator.phasors.running_speed import speed_of_trend
 from estimator.trends.acceptance_region import AcceptanceRegion, acceptance_region
 from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.conventions.dependencies import MachineId, Period, Reading

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from estimator.phasors.harmonic_ratio import Orders
-from estimator.phasors.running_speed import NEAR, mean_level, running_speed_vectors, speed_of_trend
+from estimator.phasors.near_speed import NEAR
+from estimator.phasors.running_speed import mean_level, running_speed_vectors, speed_of_trend
 
 SPEED = 300.0
 
