@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import shutil
 import socket
 import subprocess
 import threading
@@ -11,13 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import paho.mqtt.client as mqtt
-import pytest
 from paho.mqtt.enums import CallbackAPIVersion
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
 from tests.paths import ROOT
 from tests.ports import free_port
+from tests.programs import program
 
 USERS = {"rundown": "taken by the service", "edge": "publishes", "hmi": "listens"}
 """Users of the broker and their passwords."""
@@ -31,16 +30,6 @@ user hmi
 topic read rundown/v1/#
 """
 """Access rules: the edge publishes samples of its own plant, the HMI listens."""
-
-
-def program(name: str) -> str:
-    """Return the path of a program of mosquitto; the test is skipped without it, unless all are required."""
-    found = shutil.which(name, path=f"{os.environ.get('PATH', '')}:/usr/sbin:/usr/local/sbin")
-    if found is None:
-        if os.environ.get("RUNDOWN_REQUIRE_ALL"):
-            pytest.fail(f"{name} is not installed")
-        pytest.skip(f"{name} is not installed")
-    return found
 
 
 class Listener:

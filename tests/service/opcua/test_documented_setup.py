@@ -13,6 +13,7 @@ from tests.paths import ROOT
 from tests.plant import wait_until
 from tests.ports import free_port
 from tests.printed_commands import run_printed
+from tests.programs import program
 from tests.service.opcua.certificates import Authority
 from tests.service.opcua.second_stack import second_stack
 from tests.service.opcua.served_plants import CLIENT, SECURITY
@@ -21,8 +22,8 @@ INSTALL, SERVE = "pip install", "rundown serve"
 """Begins of the lines that are not run: everything is installed, and the server is begun here, at a port that is free."""
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
 def test_what_is_printed_serves_a_client_that_encrypts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program("openssl")
     printed = re.search(r"```sh\n(.*?)```", (ROOT / "docs" / "opcua.md").read_text(encoding="utf-8"), re.DOTALL)
     assert printed is not None
     lines = printed[1].splitlines()

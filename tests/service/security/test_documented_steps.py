@@ -1,7 +1,6 @@
 """The steps that docs/security.md prints: keys, certificates, and the rules of the zenoh network, which read as settings."""
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -10,14 +9,15 @@ from service.configuration.settings import Settings
 from service.messaging.access_control import StreamSecurity
 from tests.paths import ROOT
 from tests.printed_commands import run_printed
+from tests.programs import program
 
 FOLDER = "/etc/rundown"
 ASKS = "curl "
 """Begin of the line that asks a service, which is not there."""
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
 def test_the_steps_run_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program("openssl")
     page = (ROOT / "docs" / "security.md").read_text(encoding="utf-8").replace(FOLDER, str(tmp_path / "etc"))
     steps, settings = re.findall(r"^```sh\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[:2]
     (access,) = re.findall(r"^```yaml\n(sources:.*?)^```", page, re.MULTILINE | re.DOTALL)
