@@ -25,14 +25,12 @@ COVERAGE = (0.93, 0.97)
 ERROR_OVER_BOUND = (0.9, 1.15)
 FEWEST = 20
 """Number of plants from which on coverage and errors are judged; of fewer they are told only."""
-MOTOR_COMPRESSORS = 5
-"""One motor and compressor for so many random plants."""
 
 
 def film_fits(plants: int) -> list[ReportLine]:
     """Return how often right documents are accepted, how many intervals hold, errors over their bound, and times."""
     own = trials_of("film-fits", _random, range(plants), bounded=True)
-    others = trials_of("motor-compressors", _motor_compressor, range(max(1, plants // MOTOR_COMPRESSORS)), bounded=True)
+    others = trials_of("motor-compressors", _motor_compressor, range(plants), bounded=True)
     rows = _figures(f"films of {len(own)} foreign plants", own) + _figures(f"films of {len(others)} motor-compressors", others)
     cold = float(np.median([one.took for one in own]))
     warm = float(np.median([one.again for one in own if one.accepted] or [np.inf]))

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.fluid_film.drawings import coefficients_over_speed, coverage_by_kind
-from benchmarks.fluid_film.film_fits import FEWEST, MOTOR_COMPRESSORS
+from benchmarks.fluid_film.film_fits import FEWEST
 from benchmarks.fluid_film.kinds_of_trains import FIRST_SEED, MOST_PLANTS
 from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.wrong_documents import FIRST_SEED as FIRST_WRONG_SEED
@@ -67,8 +67,7 @@ def write_page(found: Mapping[str, Sequence[ReportLine]], *, plants: Mapping[str
 def seeds(part: str, plants: int) -> str:
     """Return which plants a part tries, in words; empty where it tries none that are random."""
     if part == "film-fits":
-        others = max(1, plants // MOTOR_COMPRESSORS)
-        return f"Random plants of seeds {_span(0, plants)}; the motor and compressor of seeds {_span(0, others)}."
+        return f"Random plants, and the motor and compressor, of seeds {_span(0, plants)}."
     if part in ("pedestals", "warming-oil", "lobes", "pads"):
         each = ", for each bore" if part == "lobes" else ""
         return f"Random plants of seeds {_span(FIRST_SEED, min(plants, MOST_PLANTS))}{each}."
