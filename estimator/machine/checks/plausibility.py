@@ -7,6 +7,8 @@ from estimator.machine.films import JournalFilm
 
 SMALLEST_YOUNG_MODULUS = 1e8
 """Smallest Young's modulus of a shaft [N/m²]: that of a hard rubber."""
+LARGEST_IN_GIGAPASCALS = 1e4
+"""Largest number that is a Young's modulus in GPa and not in MPa: a diamond has 1,200 GPa."""
 LARGEST_DIAMETER = 5.0
 """Largest diameter of a shaft [m]."""
 SMALLEST_STIFFNESS = 1e3
@@ -28,8 +30,9 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
     """
     for name, material in machine.materials.items():
         if material.young_modulus < SMALLEST_YOUNG_MODULUS:
-            message = f"{material.young_modulus:g} N/m²: steel has 2.1e+11 N/m²; was {material.young_modulus:g} GPa meant?"
-            yield f"materials.{name}.young_modulus", message
+            value = material.young_modulus
+            meant = "GPa" if value < LARGEST_IN_GIGAPASCALS else "MPa"
+            yield f"materials.{name}.young_modulus", f"{value:g} N/m²: steel has 2.1e+11 N/m²; was {value:g} {meant} meant?"
     for i, shaft in enumerate(machine.shafts):
         for j, section in enumerate(shaft.sections):
             if section.outer_diameter > LARGEST_DIAMETER:

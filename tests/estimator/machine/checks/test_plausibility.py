@@ -14,6 +14,10 @@ def gigapascals(document: dict[str, Any]) -> None:
     document["materials"]["steel"]["young_modulus"] = 210.0
 
 
+def megapascals(document: dict[str, Any]) -> None:
+    document["materials"]["steel"]["young_modulus"] = 206_000.0
+
+
 def millimetres(document: dict[str, Any]) -> None:
     document["shafts"][0]["sections"][0]["outer_diameter"] = 20.0
 
@@ -26,6 +30,7 @@ def newtons_per_micrometre(document: dict[str, Any]) -> None:
     ("slip", "field", "words"),
     [
         (gigapascals, "materials.steel.young_modulus", "210 N/m²: steel has 2.1e\\+11 N/m²; was 210 GPa meant"),
+        (megapascals, "materials.steel.young_modulus", "206000 N/m²: steel has 2.1e\\+11 N/m²; was 206000 MPa meant"),
         (millimetres, "shafts\\[0\\].sections\\[0\\].outer_diameter", "20 m: usual is 0.01 to 2 m; was 20 mm meant"),
         (newtons_per_micrometre, "bearings\\[1\\].kxx", "90 N/m: usual is 1e\\+6 to 1e\\+10 N/m; was 90 N/µm meant"),
     ],
