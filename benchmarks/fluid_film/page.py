@@ -20,8 +20,9 @@ INTRODUCTION = """\
 Plants whose films come from a solver of their own (finite volumes, with rupture; `tests/film_plant` shares no code with the
 estimator) are measured with 1 % noise and 0.1 µm of floor, and identified by documents that describe their bearings by
 geometry and oil. Truths are drawn from the priors that the documents state: clearance and viscosity 15 %, elevations 30 µm
-(5 µm with a rigid coupling). Films deviate from the solver's by some 4 %, with a mean that is not zero. Seeds are stated, so
-that the same numbers come again; times are those of the machine that ran it, on one core.
+(5 µm with a rigid coupling). Films deviate from the solver's by some 4 %, with a mean that is not zero; where nothing else is
+said, documents allow for 5 %, the default. Seeds are stated, so that the same numbers come again; times are those of the
+machine that ran it, on one core.
 
 - **asked** is the figure that the project has set itself; an empty one is told only.
 - **accepted** is the part of the identifications that the estimator accepts; the others are refused with a reason.
