@@ -201,7 +201,7 @@ def _way(
     """Return the number that a coordinate follows from run to run, and its standard deviation per unit of that."""
     if said.quantity in (*VISCOSITIES, "viscosity_ratio"):
         return "viscosity", 1.0
-    if said.quantity.startswith("elevation"):
+    if said.physical_quantity == "elevation":
         return "elevation", 1.0 / unit
     if said.element_kind == "static_load":
         return "process_force", size[said.whole] / unit
@@ -231,7 +231,7 @@ def _slow_way(said: ParameterDescription, unit: float) -> tuple[str | None, floa
         return "slow_viscosity", 1.0
     if said.quantity == "clearance":
         return "slow_clearance", 1.0
-    if said.quantity.startswith("elevation"):
+    if said.physical_quantity == "elevation":
         return "slow_elevation", 1.0 / unit
     return None, 0.0
 

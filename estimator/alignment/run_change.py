@@ -82,7 +82,7 @@ def run_change(
     if not baseline or any(one.coordinates != later.coordinates for one in baseline):
         raise ValueError("changes need a baseline of at least one run of the same machine")
     coordinates = later.coordinates_at(np.ones(1))
-    moving = [place for place, name in enumerate(coordinates.names) if describe(name).quantity.startswith("elevation")]
+    moving = [place for place, name in enumerate(coordinates.names) if describe(name).physical_quantity == "elevation"]
     if placed_films(coordinates) is None or not moving:
         return None
     chosen = learnt_variation(baseline) if variation is None else variation

@@ -184,7 +184,7 @@ def _largest_deviation(one: Observation) -> float:
     """Compute the root mean square of the deviations of the film that deviates most, over what its document says."""
     films: dict[str, list[float]] = {}
     for name, value in zip(one.names, one.reference, strict=True):
-        if name.startswith("films."):
+        if describe(name).element_kind == "films":
             films.setdefault(describe(name).element, []).append(float(value) ** 2)
     return math.sqrt(max((math.fsum(own) / len(own) for own in films.values()), default=0.0))
 

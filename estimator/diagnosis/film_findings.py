@@ -107,7 +107,7 @@ def film_changes(columns: ChangeColumns) -> Iterator[ExpectedChange]:
         The change at each bearing.
     """
     for bearing in columns.machine.bearings:
-        own = [name.startswith(f"films.{bearing.id}.") for name in columns.names]
+        own = [describe(name).element == f"films.{bearing.id}" for name in columns.names]
         if any(own):
             each = DEVIATION * np.eye(len(columns.names))[:, own]
             yield ExpectedChange(f"bearing.{bearing.id}", (each,), frozenset([f"bearing.{bearing.id}"]))
