@@ -146,6 +146,8 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
 def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
     """Estimate how a machine varies from run to run from its baseline (variance components; Laird and Ware 1982).
 
+    Source: mixed model of Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876.
+
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine.
 

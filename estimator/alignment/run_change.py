@@ -65,6 +65,8 @@ def run_change(
     season is another one is seen by the oil, in a first estimate. Forces that not all runs doubt alike are no coordinates:
     what they leave open is in the others' covariance.
 
+    Source: mixed model of Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876.
+
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine.
         later: Model of the later run.

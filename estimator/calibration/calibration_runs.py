@@ -51,6 +51,8 @@ class CalibrationRun(Struct, frozen=True):
 def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, ...]:
     """Check that runs can calibrate a machine.
 
+    Source: standard result: rank of the matrix of weights.
+
     Args:
         machine: The machine.
         runs: The runs.

@@ -147,6 +147,8 @@ def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> It
 def fits(one: Observation, channels: frozenset[str]) -> bool:
     """Check whether an identification was accepted, or would be with the errors of some channels or couplings allowed for.
 
+    Source: fall of χ² by score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987.
+
     Args:
         one: Observation of the run.
         channels: Ids of the channels, and names of the couplings.

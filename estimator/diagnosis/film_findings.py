@@ -81,6 +81,8 @@ def moved_alignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
 def settlements(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of the elevation of each bearing that is no change of one coupling's alignment.
 
+    Source: lever rule, Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006.
+
     Args:
         columns: The columns.
 
@@ -268,6 +270,8 @@ def settlement_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
 
 def process_force_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     """Return by how much a static force has changed, in N and over what was found of it in the baseline.
+
+    Source: standard result: norm of the change over that of the force before.
 
     Args:
         cause: The change of the force.

@@ -103,6 +103,8 @@ def _scaling(own: Coordinates, nominal: Coordinates) -> Floats:
 def film_reference(machine: Machine, baseline: Sequence[Observation], variation: HealthyVariation) -> Reference:
     """Build the baseline of a train on oil films.
 
+    Source: own derivation: runs' likelihoods less their priors, and one prior, are added up (docs/method-diagnosis.md).
+
     Args:
         machine: The machine.
         baseline: Observations of the healthy machine, as `film_observation` returns them.

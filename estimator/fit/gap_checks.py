@@ -45,6 +45,8 @@ class GapVerdict(Struct, frozen=True):
 def with_gaps(problem: FitProblem, found: FitResult) -> GapVerdict:
     """Fit the gaps of a measurement with its phasors, as far as they may be believed (module's docstring).
 
+    Source: generalised least squares of Aitken, Proc. R. Soc. Edinb. 55 (1935) 42, doi:10.1017/S0370164600014346.
+
     Args:
         problem: The problem of the phasors.
         found: Its fit.

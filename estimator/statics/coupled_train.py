@@ -102,6 +102,8 @@ class CoupledTrain:
     def at(self, factors: Floats) -> TrainStatics:
         """Compute the train at rest, with derivatives by the logarithms of the factors.
 
+        Source: Woodbury's identity, Hager, SIAM Rev. 31 (1989) 221, doi:10.1137/1031049.
+
         Args:
             factors: Factors (C,) on the expected stiffnesses, positive [-].
 

@@ -53,12 +53,17 @@ class NominalFilms:
 
     @cached_property
     def spline(self) -> "scipy.interpolate.CubicSpline":
-        """Return the spline over the logarithm of the speed by which values (G,) at these speeds weigh at others."""
+        """Return the spline over the logarithm of the speed by which values (G,) at these speeds weigh at others.
+
+        Source: splines of de Boor, A Practical Guide to Splines, Springer 1978.
+        """
         return scipy.interpolate.CubicSpline(np.log(self.speed), np.eye(SPEEDS))
 
     @cached_property
     def equilibria(self) -> tuple[FilmEquilibrium, ...]:
         """Return the equilibria at these speeds.
+
+        Source: Pennacchi, Vania and Chatterton, Mech. Syst. Signal Process. 30 (2012) 306.
 
         Raises:
             FilmTooThin: There is none at a speed.
