@@ -15,7 +15,7 @@ from service.workers import process_setup
 from storage.database.engine import Database
 from tests.plant import KEY, wait_until
 from tests.ports import free_endpoint
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 
 
@@ -28,9 +28,9 @@ def urgent() -> Iterator[None]:
 
 
 @pytest.fixture
-def journal(plant: Database) -> PromptJournal:
+def writer(plant: Database) -> PromptWriter:
     """A journal as a service that just started has it."""
-    return PromptJournal(plant, Collector())
+    return PromptWriter(plant, Collector())
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from service.commands.app import app
 from service.configuration.settings import Settings
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.maintenance import housekeeping
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_cut_offs import DAY_NS
@@ -64,7 +64,7 @@ class Store:
 
     def __init__(self, database: Database) -> None:
         self.database = database
-        self.journal = Journal(database, Collector())
+        self.writer = SampleWriter(database, Collector())
         self.sequence = 0
         self.start()
 
@@ -76,7 +76,7 @@ class Store:
     def send(self, count: int, *, age: int = 0) -> None:
         """age: of the first sample [ns]."""
         one = batch([0.0] * count, sequence=self.sequence, start=time.time_ns() - age)
-        self.journal.store([arrived(one, received_at=time.time_ns())], [])
+        self.writer.store([arrived(one, received_at=time.time_ns())], [])
         self.sequence += count
 
     def send_hours(self, hours: int) -> None:
@@ -161,7 +161,7 @@ def test_a_machine_that_cannot_be_looked_at_keeps_no_other_from_its_cut_off(stor
         machines.create(session, machine(id="fan-2"))
     for number, age in enumerate((60, 0)):
         one = batch([0.0] * 5, machine="fan-2", sequence=5 * number, start=time.time_ns() - age * DAY_NS)
-        store.journal.store([arrived(one, received_at=time.time_ns())], [])
+        store.writer.store([arrived(one, received_at=time.time_ns())], [])
     with store.database.transaction() as session:
         session.get_one(CollectorRow, "fan-2").state = {"revision": 1, "seen": "yesterday", "late": "never"}
     for day in range(45, 0, -1):
@@ -314,7 +314,7 @@ def test_nothing_can_be_confirmed_where_nothing_is_let_go_of(plant: Database, mo
 def http(router: zenoh.Session, plant: Database) -> Iterator[Api]:
     """The application with its ingest."""
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=600.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=600.0, submissions=submissions)
     ingest.start()
     yield Api(plant, submissions=submissions)
     ingest.stop()
