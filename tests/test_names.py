@@ -90,6 +90,56 @@ def test_functions_are_called_by_words_of_the_trade() -> None:
     assert {path.relative_to(ROOT).as_posix(): found for path in paths if (found := dialect(path.read_text()))} == {}
 
 
+FIXED_FIELDS = {
+    "noted": "option of `rundown audit verify`",
+    "noted_in": "option of `rundown audit verify`",
+    "holes": "option of `rundown balance`",
+    "told": "stored in the state of a machine's collection",
+    "told_of": "relation of a table",
+}
+"""Fields and parameters whose names users or stores know."""
+
+
+def field_dialect(source: str) -> list[str]:
+    """Return the fields of a file's public classes and the parameters of its public functions that hold a word of no trade."""
+    names = []
+    for node in statements(parsed(source)):
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            names += [
+                one.target.id for one in node.body if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
+            ]
+        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not node.name.startswith("_"):
+            given = node.args
+            names += [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    words = DIALECT - {"doubt"}
+    return [name for name in names if words & set(name.strip("_").split("_")) and not name.startswith("_")]
+
+
+def test_fields_and_parameters_are_called_by_words_of_the_trade() -> None:
+    paths = [path for package in PACKAGES[:-1] for path in sorted((ROOT / package).rglob("*.py"))]
+    found = {path.relative_to(ROOT).as_posix(): field_dialect(path.read_text()) for path in paths}
+    assert {name for names in found.values() for name in names} == set(FIXED_FIELDS), {k: v for k, v in found.items() if v}
+
+
+def test_a_word_of_no_trade_is_seen_in_fields_and_parameters() -> None:
+    source = """
+class Rate:
+    said: str
+    unit: str
+    _held: int
+    told_at: int = 0
+
+
+class _Own:
+    said: str
+
+
+def show(alert: str, *, tell: bool = True) -> None: ...
+def _show(tell: bool) -> None: ...
+"""
+    assert field_dialect(source) == ["said", "told_at", "tell"]
+
+
 def type_dialect(module: str, source: str) -> list[str]:
     """Return those of the names of a module, its classes and its type aliases that hold a word of no trade."""
     names = [module, *(name for name, _ in type_names(source))]
