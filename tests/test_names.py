@@ -60,6 +60,27 @@ def test_no_two_classes_or_type_aliases_have_one_name() -> None:
     assert {name: places for name, places in found.items() if len(places) > 1} == {}
 
 
+SAME_IN_TESTS = {
+    "Floats": "the same arrays",
+    "Complexes": "the same arrays",
+    "Indices": "the same arrays",
+    "Document": "the same machine documents",
+    "Service": "the same service, which the tests start and users reach",
+}
+"""Names that tests have, too, for the same thing."""
+APART = ROOT / "tests" / "film_plant"
+"""Simulated trains whose bearings and shafts share no code with the estimator's: they are the same things by other physics."""
+
+
+def test_no_class_of_the_tests_has_the_name_of_another_thing_in_the_packages() -> None:
+    own = {name for package in PACKAGES for path in (ROOT / package).rglob("*.py") for name, _ in type_names(path.read_text())}
+    paths = [path for path in sorted((ROOT / "tests").rglob("*.py")) if APART not in path.parents]
+    assert len(paths) > 300
+    found = {(name, f"{path.relative_to(ROOT)}:{line}") for path in paths for name, line in type_names(path.read_text())}
+    assert {(name, place) for name, place in found if name in own and name not in SAME_IN_TESTS} == set()
+    assert set(SAME_IN_TESTS) <= own
+
+
 def test_each_kind_of_definition_is_seen() -> None:
     source = """
 Level = Literal["ok", "wrong"]

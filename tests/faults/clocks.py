@@ -20,7 +20,7 @@ MONITOR = SourceKey(KEY.machine, "monitor", 1)
 
 
 @dataclass(frozen=True)
-class Kept:
+class KeptNumbers:
     """numbers: of the blocks' first samples, as stored. measured: times of all samples. received: of each block [ns]."""
 
     numbers: list[int]
@@ -39,7 +39,7 @@ def told(clock: list[int]) -> list[ArrivedBatch]:
     return found
 
 
-def kept(database: Database, messages: list[ArrivedBatch]) -> Kept:
+def kept(database: Database, messages: list[ArrivedBatch]) -> KeptNumbers:
     """Return what the store holds once all of this has come, each message in a call of its own."""
     writer = PromptWriter(database, Collector(late_s=0.0))
     for one in messages:
@@ -47,7 +47,7 @@ def kept(database: Database, messages: list[ArrivedBatch]) -> Kept:
     writer.settle(silence_s=0.0)
     with database.reading() as session:
         rows = session.query(SampleBlockRow).order_by(SampleBlockRow.id).all()
-        return Kept(
+        return KeptNumbers(
             numbers=[row.first_sequence for row in rows],
             measured=[moment for row in rows for moment in decode(row.data).time.tolist()],
             received=[row.received_at for row in rows],

@@ -111,7 +111,7 @@ def rejected(database: Database) -> dict[str, int]:
         return quarantine.counts(session)
 
 
-class Edge:
+class PublishingEdge:
     """A source of the machine that publishes samples at 900 r/min, a second apart."""
 
     def __init__(self, source: Source) -> None:

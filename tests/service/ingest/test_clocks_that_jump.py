@@ -186,7 +186,7 @@ YEAR = 365 * 24 * HOUR
 
 
 @dataclass
-class Source:
+class JumpingSource:
     """One that sends a sample a second, by a clock that is off like the service's."""
 
     writer: PromptWriter
@@ -200,10 +200,10 @@ class Source:
         self.sequence += len(rpm)
 
 
-def ahead_for_seconds(plant: Database, off: list[int]) -> tuple[Source, int]:
+def ahead_for_seconds(plant: Database, off: list[int]) -> tuple[JumpingSource, int]:
     """A source that was at speed before its clock and the service's were a year ahead for eight samples; and now."""
     moment = time.time_ns()
-    source = Source(PromptWriter(plant, Collector(late_s=0.0)), off)
+    source = JumpingSource(PromptWriter(plant, Collector(late_s=0.0)), off)
     source.send([1000.0] * 150, at=moment - 1000 * SECOND)
     off[0] = YEAR
     source.send([1480.0] * 8, at=moment)
@@ -246,7 +246,7 @@ def test_a_clock_that_was_ahead_does_not_freeze_what_a_machine_does(plant: Datab
 def test_a_run_of_the_future_ends_and_hides_none_of_the_present(plant: Database, off: list[int]) -> None:
     """It was open when the clock was set right."""
     moment = time.time_ns()
-    source = Source(PromptWriter(plant, Collector(late_s=0.0)), off)
+    source = JumpingSource(PromptWriter(plant, Collector(late_s=0.0)), off)
     off[0] = YEAR
     source.send([1000.0] * 5 + sweep_rpm(1000.0, 2000.0, 40), at=moment - 100 * SECOND)
     api = Api(plant)
@@ -278,7 +278,7 @@ def test_rolling_collection_goes_on_in_the_present(plant: Database, off: list[in
     with plant.transaction() as session:
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": rules}))
     moment = time.time_ns()
-    source = Source(PromptWriter(plant, Collector()), off)
+    source = JumpingSource(PromptWriter(plant, Collector()), off)
     sweep = [*sweep_rpm(400.0, 2900.0, 90), *sweep_rpm(2900.0, 400.0, 90)]
     off[0] = YEAR
     source.send(sweep, at=moment - 400 * SECOND)
@@ -309,7 +309,7 @@ def test_the_age_of_the_newest_sample_is_of_the_present(plant: Database, off: li
 def test_late_samples_stay_late_where_no_clock_was_wrong(plant: Database, off: list[int], hours: int) -> None:
     """Also where the service's own clock is behind: what is a little older is late, and the newest sample is what it was."""
     moment = time.time_ns()
-    source = Source(PromptWriter(plant, Collector(late_s=0.0)), off)
+    source = JumpingSource(PromptWriter(plant, Collector(late_s=0.0)), off)
     source.send([1000.0] * 10, at=moment)
     with plant.reading() as session:
         before = state_of(session, KEY.machine)

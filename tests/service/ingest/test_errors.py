@@ -30,7 +30,7 @@ from tests.plant import KEY, batch, machine, wait_until
 from tests.service.ingest.failing_writers import AWAY, Partial, counts_of, running
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
-    Edge,
+    PublishingEdge,
     counts,
     heard,
     put_batch,
@@ -74,7 +74,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
     plant: Database,
     ingest: Ingest,
     client: zenoh.Session,
-    edge: Edge,
+    edge: PublishingEdge,
     monkeypatch: pytest.MonkeyPatch,
     most_tries: int,
     fewest: int,
@@ -167,7 +167,9 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
     writer = Partial(plant, Collector())
     with ExitStack() as until:
         ingest = running(router, writer, Submissions(), until)
-        failing, working = (Edge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working"))
+        failing, working = (
+            PublishingEdge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working")
+        )
         wait_until(lambda: heard(client))
         while ingest._cycle.backoff.accepts(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
             failing.publish(1)
@@ -214,7 +216,7 @@ def test_sources_with_logs_of_which_nothing_can_be_told_stop_no_other(
     with ExitStack() as until:
         ingest = running(router, Forgetful(plant, Collector()), Submissions(), until)
         for number in range(3):
-            Edge(until.enter_context(Source(client, KEY, name=f"failing-{number}"))).publish(5)
+            PublishingEdge(until.enter_context(Source(client, KEY, name=f"failing-{number}"))).publish(5)
         wait_until(lambda: heard(client))
         for _ in range(20):
             lossy.publish(dropped=True)
@@ -223,7 +225,7 @@ def test_sources_with_logs_of_which_nothing_can_be_told_stop_no_other(
         wait_until(lambda: received(plant) == 100)
 
 
-class Interrupted(SampleWriter):
+class InterruptedWriter(SampleWriter):
     """Cannot tell what is missing once, for the database is away."""
 
     interrupted = False
@@ -240,7 +242,7 @@ def test_a_question_for_what_was_lost_outlives_a_database_that_goes_away(
 ) -> None:
     monkeypatch.setattr(recovery_module, "PATIENCE_S", 0.3)
     monkeypatch.setattr(known_logs, "SILENCE_S", 3600.0)
-    writer = Interrupted(plant, Collector())
+    writer = InterruptedWriter(plant, Collector())
     with ExitStack() as until:
         running(router, writer, Submissions(), until)
         wait_until(lambda: heard(client))

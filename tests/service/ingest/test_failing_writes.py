@@ -28,7 +28,7 @@ from tests.service.ingest.failing_writers import AWAY, AwayForOne, running
 from tests.service.ingest.plant_network import (
     Confused,
     DroppedOnTheWay,
-    Edge,
+    PublishingEdge,
     counts,
     heard,
     ingesting,
@@ -192,7 +192,7 @@ def received_of(database: Database) -> dict[str, tuple[int, int]]:
 
 
 def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
-    router: zenoh.Session, plant: Database, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
+    router: zenoh.Session, plant: Database, client: zenoh.Session, edge: PublishingEdge, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(recovery_module, "PATIENCE_S", 3600.0)
     with ingesting(router, plant) as ingest:

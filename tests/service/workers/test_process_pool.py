@@ -47,7 +47,7 @@ def test_a_process_whose_service_is_gone_before_it_was_ready_ends_quietly(capfd:
     assert capfd.readouterr().err == ""
 
 
-class Unreadable(Exception):
+class UnpicklableError(Exception):
     """Cannot be made again from what it tells."""
 
     def __init__(self, one: str, other: str) -> None:
@@ -55,7 +55,7 @@ class Unreadable(Exception):
 
 
 def unreadable() -> None:
-    raise Unreadable("half and ", "half")
+    raise UnpicklableError("half and ", "half")
 
 
 @pytest.mark.parametrize("tasks", [[], [compute]])
