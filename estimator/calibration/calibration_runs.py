@@ -1,4 +1,4 @@
-"""Runs of a calibration, and the checks that they can calibrate at all: said before a fit is paid for."""
+"""Runs of a calibration, and the checks before its fit that they suffice for one."""
 
 from collections.abc import Sequence
 from itertools import combinations

@@ -54,7 +54,7 @@ class MountedLinearisation:
         return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)
 
     def projected(self, residual: Floats, difference: Floats) -> Floats:
-        """Project numbers in the form of the residuals on the derivatives, without what differences between mountings explain.
+        """Project the residuals onto the derivatives, after removal of what differences between mountings explain.
 
         Args:
             residual: Weighted numbers (R,) in the form of the residuals [-].

@@ -180,7 +180,7 @@ def _undetectable_finding(place: ProbeStation, why: str) -> OrbitFinding:
 
 
 def _backward_findings(backward: list[ProbeStation], judged: int) -> list[OrbitFinding]:
-    """Return the findings for backward orbits among so many that were judged: one per station, or one for all."""
+    """Return the findings for backward orbits: one per station, or one for all where all that were judged turn backward."""
     if len(backward) == judged > 1:
         channels = tuple(channel for place in backward for channel in place.channels)
         words = f"the orbits at all {judged} pairs of probes turn backward: the sense of rotation is wrong, or every pair"

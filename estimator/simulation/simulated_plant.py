@@ -144,7 +144,7 @@ def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
 
 
 def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
-    """Draw the truth of one run: load and temperature are never quite the same.
+    """Draw the true parameters of one run: load and temperature differ a little from run to run.
 
     Args:
         truth: Truth of the machine.
