@@ -91,7 +91,7 @@ class Basis(Struct, frozen=True, eq=False):
     def coordinates(self, shapes: Entries) -> Entries:
         """Compute the coordinates of motions, in the sense of least squares.
 
-        Source: free-interface modes of MacNeal, Comput. Struct. 1 (1971) 581, doi:10.1016/0045-7949(71)90031-9.
+        Source: standard result: least squares by the pseudo-inverse.
 
         Args:
             shapes: Motions (N, n) of all degrees of freedom [m, rad].
