@@ -76,7 +76,7 @@ def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> 
     assert two.submit(10.0, len, bytes(3_000_000)).result(SOON_S) == 3_000_000
     with pytest.raises(ValueError, match="invalid literal"):
         two.submit(10.0, int, "none").result(SOON_S)
-    with pytest.raises(RuntimeError, match="Unreadable: half and half"):
+    with pytest.raises(RuntimeError, match="UnpicklableError: half and half"):
         two.submit(60.0, unreadable).result(90.0)  # it imports this module, which takes seconds where cores are few
     with pytest.raises(BrokenProcessPool):
         two.submit(10.0, os._exit, 1).result(SOON_S)
