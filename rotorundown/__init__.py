@@ -96,7 +96,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _imported(module: str) -> ModuleType:
-    """Load a module; nothing of what is loaded is garbage, and looking for some takes a sixth of the time."""
+    """Load a module without garbage collection, which would take a sixth of the time and find nothing."""
     collecting = gc.isenabled()
     gc.disable()
     try:

@@ -4,6 +4,7 @@ import numpy as np
 
 from estimator.calibration.calibrate import Calibrated
 from estimator.machine.calibration import Calibration
+from estimator.machine.parameter_description import describe
 
 GRAM_MILLIMETRES = 1e6
 """g mm per kg m."""
@@ -61,7 +62,7 @@ def _unbalance(value: complex, error: float) -> str:
 
 
 def _moved(name: str, rms: float) -> str:
-    if name.endswith(".unbalance"):
+    if describe(name).quantity == "unbalance":
         return f"{name:<28} {GRAM_MILLIMETRES * rms:.3g} g mm"
     return f"{name:<28} {MICROMETRES * rms:.3g} µm"
 

@@ -60,14 +60,14 @@ FEWEST_BELOW_OVERSPEED = 0.5
 
 
 class TableUnits(Struct, frozen=True):
-    """Units of a table's columns. phase_is_said: whether somebody has said the phases' unit, which is then believed."""
+    """Units of a table's columns. phase_is_stated: whether somebody has said the phases' unit, which is then believed."""
 
     speed: SpeedUnit = "rpm"
     amplitude: AmplitudeUnit = "um"
     kind: AmplitudeKind = "peak-to-peak"
     convention: PhaseConvention = "lag"
     phase: PhaseUnit = "deg"
-    phase_is_said: bool = False
+    phase_is_stated: bool = False
 
     def __post_init__(self) -> None:
         """Raise WrongRun for a unit that there is not."""
@@ -272,7 +272,7 @@ def _phase_doubts(phase: Floats, units: TableUnits) -> list[str]:
     why, right = contradiction
     if not is_possible_of_one_channel(phase, right):
         raise WrongRun(f"{why}: say phase_unit={right!r}")
-    if not units.phase_is_said:
+    if not units.phase_is_stated:
         raise WrongRun(f"{why}: say phase_unit={right!r}, or phase_unit={units.phase!r} where they are in degrees")
     return [f"{why}: taken as degrees, as phase_unit says"]
 

@@ -16,7 +16,7 @@ from storage.machines import machines
 from storage.tables.alerting import AlertRow
 from tests.databases import KIND_ASKED_FOR, Databases, Kind, NewDatabase, PostgresqlDatabases, SqliteDatabases, chosen, opened
 from tests.plant import machine
-from tests.postgresql import FAST, Server, server
+from tests.postgresql import FAST, PostgresServer, server
 
 TESTS = Path(__file__).parent
 FIRST = (
@@ -85,7 +85,7 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="session")
-def postgresql() -> Iterator[Server]:
+def postgresql() -> Iterator[PostgresServer]:
     """A PostgreSQL server for this process of tests."""
     with server(*FAST) as one:
         yield one

@@ -25,7 +25,7 @@ SCALES = {"m": ("um", 1e6), "rad": ("urad", 1e6), "N": ("N", 1.0)}
 
 
 @dataclass(frozen=True)
-class Claim:
+class StatedFigure:
     """Statement of one place about a quantity. key: the quantity, its measure, the identification, and of how many runs it
     is."""
 
@@ -46,7 +46,7 @@ def contradictions(get: Get, machine: str) -> tuple[list[str], int]:
             *_trend_claims(get, machine, number),
         ]
         claims += _alignment_claims(get, machine, number)
-    by_key: dict[tuple[Any, ...], list[Claim]] = {}
+    by_key: dict[tuple[Any, ...], list[StatedFigure]] = {}
     for one in claims:
         by_key.setdefault(one.key, []).append(one)
     wrong = [
@@ -59,7 +59,7 @@ def contradictions(get: Get, machine: str) -> tuple[list[str], int]:
     return [*wrong, *(fault for alert in alerts for fault in _own_faults(get, alert))], compared
 
 
-def _alert_claims(get: Get, alert: dict[str, Any]) -> Iterator[Claim]:
+def _alert_claims(get: Get, alert: dict[str, Any]) -> Iterator[StatedFigure]:
     number, evidence = alert["identification"], alert["evidence"]
     yield from _advice_claims("alert", number, alert["advice"])
     yield from _cause_claims("alert's evidence", number, evidence)
@@ -68,26 +68,26 @@ def _alert_claims(get: Get, alert: dict[str, Any]) -> Iterator[Claim]:
             yield from _advice_claims("event", event["identification"], event["advice"])
             if event["identification"] == number and event["severity"] == alert["severity"]:
                 same = event["advice"] == alert["advice"] and event["message"] == alert["message"]
-                yield Claim("event", ("told as the alert", alert["id"], number, None), float(same))
-                yield Claim("alert", ("told as the alert", alert["id"], number, None), 1.0)
+                yield StatedFigure("event", ("told as the alert", alert["id"], number, None), float(same))
+                yield StatedFigure("alert", ("told as the alert", alert["id"], number, None), 1.0)
 
 
-def _diagnosis_claims(get: Get, number: int) -> Iterator[Claim]:
+def _diagnosis_claims(get: Get, number: int) -> Iterator[StatedFigure]:
     for cause in get(f"/identifications/{number}/diagnosis")["causes"]:
         yield from _cause_claims("diagnosis", number, cause)
         yield from _advice_claims("diagnosis's advice", number, cause["advice"])
 
 
-def _cause_claims(place: str, number: int, cause: dict[str, Any]) -> Iterator[Claim]:
+def _cause_claims(place: str, number: int, cause: dict[str, Any]) -> Iterator[StatedFigure]:
     for part in cause.get("parts", ()):
         alone = part["before"] is not None or "allowed_at_rpm" in cause["quantities"]
         yield from _size_claims(place, number, part, 1 if alone else cause["runs"])
     for one in cause.get("moved", ()):
         yield from _deviation_row(place, number, one)
-        yield Claim(place, (one["parameter"], "unit", number, 1), hash(one["unit"]))
+        yield StatedFigure(place, (one["parameter"], "unit", number, 1), hash(one["unit"]))
 
 
-def _advice_claims(place: str, number: int, advice: dict[str, Any]) -> Iterator[Claim]:
+def _advice_claims(place: str, number: int, advice: dict[str, Any]) -> Iterator[StatedFigure]:
     for figure in advice["how_far"]:
         factor = 1e3 if figure["unit"] == "mrad" else 1.0
         said = {"name": figure["of"], "unit": PLAIN.get(figure["unit"], figure["unit"])}
@@ -95,19 +95,19 @@ def _advice_claims(place: str, number: int, advice: dict[str, Any]) -> Iterator[
         yield from _size_claims(place, number, said, figure["runs"])
 
 
-def _size_claims(place: str, number: int, part: dict[str, Any], runs: int, same: float = SAME) -> Iterator[Claim]:
+def _size_claims(place: str, number: int, part: dict[str, Any], runs: int, same: float = SAME) -> Iterator[StatedFigure]:
     for what in ("value", "lower", "upper"):
-        yield Claim(place, (part["name"], f"size {what} [{part['unit']}]", number, runs), part[what], same)
+        yield StatedFigure(place, (part["name"], f"size {what} [{part['unit']}]", number, runs), part[what], same)
     if part.get("before") is not None:
-        yield Claim(place, (part["name"], "itself", number, 1), part["before"] + part["value"])
+        yield StatedFigure(place, (part["name"], "itself", number, 1), part["before"] + part["value"])
 
 
-def _deviation_row(place: str, number: int, row: dict[str, Any]) -> Iterator[Claim]:
+def _deviation_row(place: str, number: int, row: dict[str, Any]) -> Iterator[StatedFigure]:
     for what in ("per_cent", "lower_per_cent", "upper_per_cent", "sigma"):
-        yield Claim(place, (row["parameter"], what, number, 1), row[what])
+        yield StatedFigure(place, (row["parameter"], what, number, 1), row[what])
 
 
-def _deviation_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
+def _deviation_claims(get: Get, machine: str, number: int) -> Iterator[StatedFigure]:
     found = get(f"/machines/{machine}/deviations?identification={number}")
     for row in found["parameters"]:
         yield from _deviation_row("deviations", number, row)
@@ -116,14 +116,14 @@ def _deviation_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
             yield from _size_claims("deviations", number, part, part["runs"])
 
 
-def _trend_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
+def _trend_claims(get: Get, machine: str, number: int) -> Iterator[StatedFigure]:
     """Yield what trend tests and trends say of parameters as of an identification, beside the baseline."""
     found = get(f"/machines/{machine}/deviations?identification={number}")
     tests = get(f"/machines/{machine}/trend-tests?identification={number}")["tests"]
     real = [row["parameter"] for row in found["parameters"] if row["added"] is None]
     for one in tests:
         if one["name"] in real:
-            yield Claim("trend tests", (one["name"], "per_cent", number, 1), one["newest"])
+            yield StatedFigure("trend tests", (one["name"], "per_cent", number, 1), one["newest"])
     loads = [
         part["name"]
         for cause in get(f"/identifications/{number}/diagnosis")["causes"]
@@ -137,14 +137,14 @@ def _trend_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
         if number not in value:  # a store without estimates has no trends
             continue
         if name in loads:
-            yield Claim("trends", (name, "itself", number, 1), value[number])
+            yield StatedFigure("trends", (name, "itself", number, 1), value[number])
         else:
             before = [math.log(value[one]) for one in found["baseline"]["identifications"]]
             change = 100.0 * math.expm1(math.log(value[number]) - sum(before) / len(before))
-            yield Claim("trends", (name, "per_cent", number, 1), change)
+            yield StatedFigure("trends", (name, "per_cent", number, 1), change)
 
 
-def _alignment_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
+def _alignment_claims(get: Get, machine: str, number: int) -> Iterator[StatedFigure]:
     found = get(f"/machines/{machine}/alignment?identification={number}")
     for one in [*found["numbers"], *found["loads"]]:
         change = one["change"]

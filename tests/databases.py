@@ -15,7 +15,7 @@ from sqlalchemy import make_url
 
 from storage.database.engine import Database
 from tests.plant import sqlite_url
-from tests.postgresql import Server, version
+from tests.postgresql import PostgresServer, version
 
 Kind = Literal["sqlite", "postgresql"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -77,7 +77,7 @@ class SqliteDatabases:
 class PostgresqlDatabases:
     """Databases of a server."""
 
-    def __init__(self, server: Server) -> None:
+    def __init__(self, server: PostgresServer) -> None:
         self._server = server
 
     def new(self, path: Path) -> str:

@@ -32,7 +32,7 @@ ROOM_BYTES = 4 * 2**30
 """Room there from which a server may take its own; containers have 64 MB."""
 
 
-class Server:
+class PostgresServer:
     """A server that can be stopped and started again. url: of its database `postgres`, as its owner."""
 
     def __init__(self, folder: Path, *settings: str) -> None:
@@ -115,7 +115,7 @@ class Server:
 
 
 @contextlib.contextmanager
-def server(*settings: str) -> Iterator[Server]:
+def server(*settings: str) -> Iterator[PostgresServer]:
     """A running server; skips the test, or fails it where nothing may be missing, when PostgreSQL is not installed."""
     if program("postgres") == "":
         if os.environ.get("RUNDOWN_REQUIRE_ALL"):
@@ -126,7 +126,7 @@ def server(*settings: str) -> Iterator[Server]:
     try:
         if (user := _user()) is not None:
             shutil.chown(folder, user)
-        one = Server(folder, *settings)
+        one = PostgresServer(folder, *settings)
         one.start()
         try:
             yield one

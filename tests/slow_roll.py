@@ -23,7 +23,7 @@ from tests.plant import (
     batch,
     sweep_rpm,
 )
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 PUMP = "/machines/pump-7/slow-roll"
 TRAIN = "thesis-chapter-3"
@@ -33,11 +33,11 @@ RUN_OUT = 2e-4 * np.exp(1j * np.arange(8))
 
 def slow_roll_and_run_down(plant: Database) -> Api:
     """Over a machine with a slow roll and a run-down: 100 µm peak-to-peak at 30° lag on all channels, always."""
-    journal = PromptJournal(plant, Collector())
+    writer = PromptWriter(plant, Collector())
     slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), *sweep_rpm(250.0, 100.0, 6)]
     # From slow roll to speed takes an hour: no shaft jumps.
     times = [START + i * SECOND for i in range(30)] + [START + (3600 + i) * SECOND for i in range(46)]
-    journal.store([arrived(batch(slow, time_ns=times))], [])
+    writer.store([arrived(batch(slow, time_ns=times))], [])
     return Api(plant)
 
 

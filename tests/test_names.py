@@ -60,6 +60,27 @@ def test_no_two_classes_or_type_aliases_have_one_name() -> None:
     assert {name: places for name, places in found.items() if len(places) > 1} == {}
 
 
+SAME_IN_TESTS = {
+    "Floats": "the same arrays",
+    "Complexes": "the same arrays",
+    "Indices": "the same arrays",
+    "Document": "the same machine documents",
+    "Service": "the same service, which the tests start and users reach",
+}
+"""Names that tests have, too, for the same thing."""
+APART = ROOT / "tests" / "film_plant"
+"""Simulated trains whose bearings and shafts share no code with the estimator's: they are the same things by other physics."""
+
+
+def test_no_class_of_the_tests_has_the_name_of_another_thing_in_the_packages() -> None:
+    own = {name for package in PACKAGES for path in (ROOT / package).rglob("*.py") for name, _ in type_names(path.read_text())}
+    paths = [path for path in sorted((ROOT / "tests").rglob("*.py")) if APART not in path.parents]
+    assert len(paths) > 300
+    found = {(name, f"{path.relative_to(ROOT)}:{line}") for path in paths for name, line in type_names(path.read_text())}
+    assert {(name, place) for name, place in found if name in own and name not in SAME_IN_TESTS} == set()
+    assert set(SAME_IN_TESTS) <= own
+
+
 def test_each_kind_of_definition_is_seen() -> None:
     source = """
 Level = Literal["ok", "wrong"]
@@ -88,6 +109,56 @@ def test_functions_are_called_by_words_of_the_trade() -> None:
     paths = [path for package in PACKAGES[:-1] for path in sorted((ROOT / package).rglob("*.py"))]
     assert len(paths) > 500
     assert {path.relative_to(ROOT).as_posix(): found for path in paths if (found := dialect(path.read_text()))} == {}
+
+
+FIXED_FIELDS = {
+    "noted": "option of `rundown audit verify`",
+    "noted_in": "option of `rundown audit verify`",
+    "holes": "option of `rundown balance`",
+    "told": "stored in the state of a machine's collection",
+    "told_of": "relation of a table",
+}
+"""Fields and parameters whose names users or stores know."""
+
+
+def field_dialect(source: str) -> list[str]:
+    """Return the fields of a file's public classes and the parameters of its public functions that hold a word of no trade."""
+    names = []
+    for node in statements(parsed(source)):
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            names += [
+                one.target.id for one in node.body if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
+            ]
+        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not node.name.startswith("_"):
+            given = node.args
+            names += [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    words = DIALECT - {"doubt"}
+    return [name for name in names if words & set(name.strip("_").split("_")) and not name.startswith("_")]
+
+
+def test_fields_and_parameters_are_called_by_words_of_the_trade() -> None:
+    paths = [path for package in PACKAGES[:-1] for path in sorted((ROOT / package).rglob("*.py"))]
+    found = {path.relative_to(ROOT).as_posix(): field_dialect(path.read_text()) for path in paths}
+    assert {name for names in found.values() for name in names} == set(FIXED_FIELDS), {k: v for k, v in found.items() if v}
+
+
+def test_a_word_of_no_trade_is_seen_in_fields_and_parameters() -> None:
+    source = """
+class Rate:
+    said: str
+    unit: str
+    _held: int
+    told_at: int = 0
+
+
+class _Own:
+    said: str
+
+
+def show(alert: str, *, tell: bool = True) -> None: ...
+def _show(tell: bool) -> None: ...
+"""
+    assert field_dialect(source) == ["said", "told_at", "tell"]
 
 
 def type_dialect(module: str, source: str) -> list[str]:

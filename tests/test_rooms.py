@@ -15,6 +15,7 @@ from statistics import median
 
 import pytest
 
+from estimator.bearings.registry import FORMS
 from tests.rooms import ROOMS
 from tests.rooms_picture import PICTURE, TABLE, drawing, drawn
 from tests.syntax_trees import parsed, statements
@@ -204,6 +205,7 @@ ALLOWED_IN_ESTIMATOR = frozenset(
         "fractions",
         "functools",
         "heapq",
+        "importlib",
         "itertools",
         "math",
         "msgspec",
@@ -272,6 +274,17 @@ def test_the_estimator_does_no_input_or_output_and_reads_no_clock() -> None:
         "urllib",
         "open()",
     ]
+
+
+def test_models_of_whole_trains_stand_where_the_fit_may_import() -> None:
+    """Only the fit imports by a name that a form declares: the picture would not show another."""
+    by_name = [
+        str(path) for path, source in trees() if path.parts[0] == "estimator" and "import_module" in ast.unparse(source)
+    ]
+    assert by_name == ["estimator/fit/problem/train_models.py"]
+    declared = [form.whole_train.model.partition(":")[0] for form in FORMS if form.whole_train is not None]
+    assert "estimator.statics.film_model" in declared
+    assert {room(one) for one in declared} <= set(ROOMS["estimator/fit/problem"])
 
 
 def test_modules_that_are_imported_exist() -> None:

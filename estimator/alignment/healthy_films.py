@@ -146,6 +146,8 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
 def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
     """Estimate how a machine varies from run to run from its baseline (variance components; Laird and Ware 1982).
 
+    Source: mixed model of Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876.
+
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine.
 
@@ -201,7 +203,7 @@ def _way(
     """Return the number that a coordinate follows from run to run, and its standard deviation per unit of that."""
     if said.quantity in (*VISCOSITIES, "viscosity_ratio"):
         return "viscosity", 1.0
-    if said.quantity.startswith("elevation"):
+    if said.physical_quantity == "elevation":
         return "elevation", 1.0 / unit
     if said.element_kind == "static_load":
         return "process_force", size[said.whole] / unit
@@ -231,7 +233,7 @@ def _slow_way(said: ParameterDescription, unit: float) -> tuple[str | None, floa
         return "slow_viscosity", 1.0
     if said.quantity == "clearance":
         return "slow_clearance", 1.0
-    if said.quantity.startswith("elevation"):
+    if said.physical_quantity == "elevation":
         return "slow_elevation", 1.0 / unit
     return None, 0.0
 

@@ -65,6 +65,8 @@ def run_change(
     season is another one is seen by the oil, in a first estimate. Forces that not all runs doubt alike are no coordinates:
     what they leave open is in the others' covariance.
 
+    Source: mixed model of Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876.
+
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine.
         later: Model of the later run.
@@ -82,7 +84,7 @@ def run_change(
     if not baseline or any(one.coordinates != later.coordinates for one in baseline):
         raise ValueError("changes need a baseline of at least one run of the same machine")
     coordinates = later.coordinates_at(np.ones(1))
-    moving = [place for place, name in enumerate(coordinates.names) if describe(name).quantity.startswith("elevation")]
+    moving = [place for place, name in enumerate(coordinates.names) if describe(name).physical_quantity == "elevation"]
     if placed_films(coordinates) is None or not moving:
         return None
     chosen = learnt_variation(baseline) if variation is None else variation

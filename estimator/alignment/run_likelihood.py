@@ -33,6 +33,8 @@ class RunLikelihood:
     def marginalised(self, varying: Floats) -> "RunLikelihood":
         """Return the remaining likelihood of coordinates about which the run's own lie with some covariance.
 
+        Source: standard result: a Gaussian likelihood of coordinates that vary has (1 + Λ V)⁻¹ Λ for its information Λ.
+
         Args:
             varying: The covariance (n, n) [-].
 
@@ -72,6 +74,8 @@ def contained_prior(covariance: Floats, precision: Floats) -> tuple[Floats, Floa
     factor is what more than WIDENED_ALONE of the directions reach, and a direction beyond it was widened by itself: of that
     one the fit says nothing, not even its own estimate.
 
+    Source: own derivation: the prior is what the covariance holds beyond the data, in the summary above.
+
     Args:
         covariance: Covariance (n, n) of the fit [unit²].
         precision: Precision (n, n) of the prior [1/unit²].
@@ -91,6 +95,8 @@ def contained_prior(covariance: Floats, precision: Floats) -> tuple[Floats, Floa
 
 def scaled_inverse(covariance: Floats) -> Floats:
     """Compute the inverse of a covariance whose coordinates are of very different sizes.
+
+    Source: own derivation: both sides are divided by the standard deviations first, so that sizes do not count.
 
     Args:
         covariance: Matrix (n, n), symmetric and positive definite [unit²].

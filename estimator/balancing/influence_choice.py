@@ -94,6 +94,9 @@ def choose_influence(
 def fit_influence(runs: TrialRuns, model: Complexes | None, method: InfluenceMethod) -> MeasuredInfluence:
     """Compute influence coefficients by one method (Hoerl and Kennard 1970 for the corrected model).
 
+    Source: Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532, and Hoerl and Kennard, Technometrics 12 (1970) 55,
+    doi:10.1080/00401706.1970.10488634.
+
     Args:
         runs: Runs that show every point.
         model: The model's influence coefficients (K, Q) [m/(kg m)]; None where the method needs none.

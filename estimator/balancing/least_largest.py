@@ -25,6 +25,8 @@ def least_largest(matrix: Complexes, target: Complexes, limit: Floats) -> Comple
 
     Units are those of the arguments.
 
+    Source: cutting planes of Kelley, J. SIAM 8 (1960) 703, doi:10.1137/0108053.
+
     Args:
         matrix: A (n, Q) [-].
         target: b (n,) [-].

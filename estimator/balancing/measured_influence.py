@@ -52,7 +52,10 @@ class MeasuredInfluence:
 
     @property
     def widening(self) -> float:
-        """Return by how much intervals are wider than those of a known scatter (Student's t over the normal quantile) [-]."""
+        """Return by how much intervals are wider than those of a known scatter (Student's t over the normal quantile) [-].
+
+        Source: standard result: quantile of Student's t over that of the normal distribution.
+        """
         if not np.isfinite(self.freedom):
             return 1.0
         return min(float(scipy.special.stdtrit(self.freedom, 0.975)) / CONFIDENCE_95, EVERY_POSSIBLE_SIZE)

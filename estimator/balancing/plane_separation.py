@@ -41,6 +41,8 @@ class PlaneSeparation:
 def separate_planes(influence: MeasuredInfluence, *, weight: Floats | None = None) -> PlaneSeparation:
     """Find the planes that can be told apart at the measuring points (Darlow 1982).
 
+    Source: Darlow, ASME paper 82-GT-203, doi:10.1115/82-GT-203.
+
     Args:
         influence: Influence coefficients.
         weight: Weight (K,) of each point; None for 1 everywhere [-].

@@ -87,6 +87,8 @@ class TrialRuns:
     def determined(self) -> tuple["TrialRuns", tuple[str, ...]]:
         """Return the runs at the measuring points whose vectors determine the coefficients of every plane.
 
+        Source: standard result: rank of the matrix of weights.
+
         Returns:
             The runs, and the names of the points that are left out.
 
@@ -136,6 +138,8 @@ def total_weights(weights: Complexes, kept: Sequence[bool]) -> Complexes:
 
 def require_usable(runs: TrialRuns) -> None:
     """Check that the runs' weights and vectors can determine influence coefficients of every plane.
+
+    Source: standard result: rank of the matrix of weights.
 
     Args:
         runs: The runs.

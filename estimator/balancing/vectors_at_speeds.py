@@ -66,6 +66,8 @@ def common_speeds(runs: Sequence[Measurement], *, lowest: float, highest: float,
 def vectors_at(run: Measurement, speed: Floats, *, noise: Noise) -> tuple[Complexes, Floats]:
     """Compute the vectors of a run at some speeds.
 
+    Source: own derivation: a straight line over a narrow window of speed, in the module's docstring.
+
     Args:
         run: The run.
         speed: Speeds (S,) [rad/s].

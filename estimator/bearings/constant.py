@@ -59,6 +59,7 @@ class ConstantModel(Struct, frozen=True):
 class Constant(FormDefaults):
     """Form of an element whose document states no dependence on the speed."""
 
+    form: str = "constant"
     coefficients: tuple[str, ...] | None = None
 
     def governs(self, term: str) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import ClassVar, NoReturn
 
 from estimator.arrays import Floats
-from estimator.bearings.model import OwnParameter
+from estimator.bearings.model import OwnParameter, WholeTrain
 
 
 class FormDefaults:
@@ -12,12 +12,12 @@ class FormDefaults:
 
     Attributes:
         own_parameters: Kinds of parameters that its models have beside coefficients: none.
-        of_whole_train: Whether one model gives the coefficients of all bearings of a train together, so that the form makes
-            none of one element alone: no.
+        whole_train: The one model of the coefficients of all bearings of a train together, beside which the form makes none of
+            one element alone: none.
     """
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = ()
-    of_whole_train: ClassVar[bool] = False
+    whole_train: ClassVar[WholeTrain | None] = None
 
     def nominal(self, term: str, rpm: float) -> float | None:  # noqa: ARG002
         """Return None: the element's own nominal values hold, at every speed.

@@ -1,7 +1,7 @@
 """Coefficients of journal bearings from their oil films, whose geometry, oil and elevation the document gives.
 
 A film's coefficients depend on the load that the whole train puts on it, so that this form makes no model of one bearing
-alone: `estimator.statics.film_model` makes one of all films of a train.
+alone: it declares the one of all films of a train, which `estimator.statics.film_model` makes.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from estimator.bearings.defaults import FormDefaults
-from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
+from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter, WholeTrain
 from estimator.bearings.terms import LATERAL
 from estimator.field_types import Part, Spread
 from estimator.quantities import UNITS
@@ -40,7 +40,13 @@ class JournalForm(FormDefaults, Part):
         OwnParameter("force_y", "force", UNITS["force"], positive=False),
     )
 
-    of_whole_train: ClassVar[bool] = True
+    whole_train: ClassVar[WholeTrain | None] = WholeTrain(
+        model="estimator.statics.film_model:film_model",
+        of="films",
+        reason="loads on films follow from the whole train's statics",
+        part="film",
+        contents="diameter, length, radial_clearance [m] and oil",
+    )
 
     form: Literal["journal"] = Field(description="coefficients that follow from the bearing's film")
     clearance_spread: Spread = Field(default=0.15, description="how far the radial clearance may be off, relative rms [-]")

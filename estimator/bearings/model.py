@@ -116,6 +116,25 @@ class OwnParameter(Struct, frozen=True):
     term: str | None = None
 
 
+class WholeTrain(Struct, frozen=True):
+    """Declaration of a form of which one model gives the coefficients of all bearings of a train together.
+
+    Attributes:
+        model: Function that makes this model of a machine, as "module:function". It is imported where a train needs it, since
+            such a model may take long to import, and may stand in any room that `estimator.fit.problem` may import.
+        of: What the coefficients follow from, such as "films".
+        reason: Why all bearings of the train need this form.
+        part: Field of the bearing that a document must give with it, such as "film"; None where it needs none.
+        contents: What stands in this field.
+    """
+
+    model: str
+    of: str
+    reason: str
+    part: str | None = None
+    contents: str = ""
+
+
 class CoefficientCurves(Protocol):
     """C coefficients at S speeds as functions of a model's P parameters."""
 
@@ -213,7 +232,11 @@ class BearingForm(Protocol):
     """Part of a machine document that chooses the model of an element's coefficients."""
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]]
-    of_whole_train: ClassVar[bool]
+    whole_train: ClassVar[WholeTrain | None]
+
+    @property
+    def form(self) -> str:
+        """Return the name of the form in a document, such as "journal"."""
 
     @property
     def coefficients(self) -> tuple[str, ...] | None:

@@ -76,7 +76,7 @@ else:
 
 
 def place_of(error: Any) -> tuple[int | str, ...]:
-    """Return the place in a document of one of pydantic's errors, without a form's class, which is no field of it.
+    """Return the place in a document of a pydantic error: pydantic also names the form's class, which is left out.
 
     Args:
         error: The error as pydantic lists it.

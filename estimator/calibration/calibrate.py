@@ -113,6 +113,8 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
 def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibrated, *, seed: int = 0) -> Calibrated:
     """Name the mixed units, or wrong senses of angles or phases, without which a refused calibration would be accepted.
 
+    Source: own derivation: each unit and each sense is tried, and a calibration with it accepted or not.
+
     Args:
         machine: The machine.
         runs: The runs.

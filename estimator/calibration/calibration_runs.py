@@ -1,4 +1,4 @@
-"""Runs of a calibration, and the checks that they can calibrate at all: said before a fit is paid for."""
+"""Runs of a calibration, and the checks before its fit that they suffice for one."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -50,6 +50,8 @@ class CalibrationRun(Struct, frozen=True):
 
 def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, ...]:
     """Check that runs can calibrate a machine.
+
+    Source: standard result: rank of the matrix of weights.
 
     Args:
         machine: The machine.

@@ -24,6 +24,8 @@ LEAST_SEEN = 1e-6
 def best_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
     """Estimate the gains and run-outs that runs with known unbalances show at given coefficients, and the excitations.
 
+    Source: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036.
+
     Args:
         problem: The problem.
         theta: Fit coordinates θ (n,) [-].

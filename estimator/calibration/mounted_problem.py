@@ -54,7 +54,7 @@ class MountedLinearisation:
         return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)
 
     def projected(self, residual: Floats, difference: Floats) -> Floats:
-        """Project numbers in the form of the residuals on the derivatives, without what differences between mountings explain.
+        """Project the residuals onto the derivatives, after removal of what differences between mountings explain.
 
         Args:
             residual: Weighted numbers (R,) in the form of the residuals [-].
@@ -89,6 +89,8 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
     def model(self, theta: Floats) -> Complexes:
         """Compute the phasors that the channels should show at θ, with the most likely differences.
 
+        Source: mixed model of Henderson, Biometrics 31 (1975) 423, doi:10.2307/2529430.
+
         Args:
             theta: Fit coordinates θ (n,) [-].
 
@@ -102,6 +104,8 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
 
     def unexplained_part(self, theta: Floats) -> float:
         """Compute the ratio of the differences between mountings to the effects of the known unbalances.
+
+        Source: mixed model of Henderson, Biometrics 31 (1975) 423, doi:10.2307/2529430.
 
         Args:
             theta: Fit coordinates θ (n,) [-].
@@ -133,6 +137,8 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
     def chi_square(self, theta: Floats, weight: Floats) -> float:
         """Compute χ² at the most likely differences between mountings, with their cost.
 
+        Source: mixed model of Henderson, Biometrics 31 (1975) 423, doi:10.2307/2529430.
+
         Args:
             theta: Fit coordinates θ (n,) [-].
             weight: Weights (S, m) [1/m].
@@ -149,6 +155,8 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
     def residual(self, theta: Floats, weight: Floats) -> tuple[Floats, Floats]:
         """Compute what is left at the most likely differences between mountings.
 
+        Source: mixed model of Henderson, Biometrics 31 (1975) 423, doi:10.2307/2529430.
+
         Args:
             theta: Fit coordinates θ (n,) [-].
             weight: Weights (S, m) [1/m], zero where a phasor does not count.
@@ -163,6 +171,8 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
 
     def linearisation(self, theta: Floats, weight: Floats) -> MountedLinearisation:
         """Linearise the problem at θ and at the differences between mountings that are most likely there.
+
+        Source: Schur complement; Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036.
 
         Args:
             theta: Fit coordinates θ (n,) [-].
@@ -277,6 +287,8 @@ def mounted_bend(problem: MountedProblem, theta: Floats, step: Floats, weight: F
 @best_excitations.register
 def mounted_excitations(problem: MountedProblem, theta: Floats, weight: Floats) -> Floats:
     """Solve for the excitations that fit best, with the differences that are most likely there, while everything else stays.
+
+    Source: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036.
 
     Args:
         problem: The problem.

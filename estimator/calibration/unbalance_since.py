@@ -72,6 +72,8 @@ class UnbalanceSince(Struct, frozen=True, eq=False):
 def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | None:
     """Compute the unbalance that a calibrated machine has gained since (Rasmussen and Williams 2006, app. A.2).
 
+    Source: conditional Gaussian, Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, app. A.2.
+
     Args:
         machine: The machine with its calibration.
         found: A later identification of it.

@@ -118,6 +118,8 @@ class ScatterModel:
     def freedom(self, problem: MountedProblem, theta: Floats) -> Floats:
         """Compute how many independent real values each kind of scatter rests on, beside what the fit has used up.
 
+        Source: MacKay, Neural Computation 4 (1992) 415, doi:10.1162/neco.1992.4.3.415.
+
         Args:
             problem: The problem with the sizes of scatter.
             theta: The fit's end θ (n,) [-].

@@ -52,6 +52,9 @@ def judge_weights(problem: MountedProblem, theta: Floats, *, part: float) -> str
 def judge_differences(difference: Complexes, weight: Complexes, *, part: float) -> str:
     """Judge whether chance explains differences between mountings (Scheffé 1959, sec. 2.5).
 
+    Source: Scheffé, The Analysis of Variance, Wiley 1959, sec. 2.5, and Cochran, Ann. Eugen. 11 (1941) 47,
+    doi:10.1111/j.1469-1809.1941.tb02271.x.
+
     Args:
         difference: Differences (M, P) of M mountings and P discs, which scatter alike [-].
         weight: Weights (M, P) [-].

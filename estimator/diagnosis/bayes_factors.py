@@ -119,6 +119,8 @@ class Reference:
     def alone(self, one: Observation) -> tuple[Floats, Floats]:
         """Return the likelihood of a run by itself, which is allowed the slow variations and the mean's own error.
 
+        Source: standard result: what varies is marginalised, which leaves a Gaussian likelihood.
+
         Args:
             one: Observation of the run.
 
@@ -135,6 +137,8 @@ class Reference:
 
 def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
     """Build the baseline from observations of a healthy machine.
+
+    Source: standard result: Gaussian likelihoods of independent runs are added up, what varies marginalised.
 
     Args:
         machine: The machine.
@@ -250,6 +254,8 @@ class Deviation:
     def of(cls, baseline: Reference, window: Sequence[Observation]) -> "Deviation":
         """Compute the deviation of some observations from the baseline.
 
+        Source: standard result: score and information of Gaussian likelihoods, what varies marginalised.
+
         Args:
             baseline: The baseline.
             window: The observations.
@@ -266,6 +272,8 @@ class Deviation:
 
     def allowing_for(self, causes: Sequence[Hypothesis]) -> "Deviation":
         """Return the deviation with some causes allowed for.
+
+        Source: standard result: score and information of Gaussian likelihoods, what varies marginalised.
 
         Args:
             causes: The causes.
@@ -289,6 +297,8 @@ class Deviation:
 
         All of its variants are equally probable before.
 
+        Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773, doi:10.1080/01621459.1995.10476572.
+
         Args:
             one: The hypothesis.
 
@@ -300,6 +310,8 @@ class Deviation:
 
     def cause(self, one: Hypothesis) -> Cause:
         """Return the hypothesis with the changes that it has most probably made.
+
+        Source: standard result: mean and covariance of a Gaussian posterior.
 
         Args:
             one: The hypothesis.
@@ -373,6 +385,8 @@ def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
 
 def through_variation(one: Observation, origin: Floats, unit: Floats, together: Floats) -> tuple[Floats, Floats]:
     """Compute the likelihood of the point around which a run's quantities vary, in units of the variation.
+
+    Source: standard result: what varies is marginalised, which leaves a Gaussian likelihood.
 
     Args:
         one: Observation of the run.

@@ -147,6 +147,8 @@ def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> It
 def fits(one: Observation, channels: frozenset[str]) -> bool:
     """Check whether an identification was accepted, or would be with the errors of some channels or couplings allowed for.
 
+    Source: fall of χ² by score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987.
+
     Args:
         one: Observation of the run.
         channels: Ids of the channels, and names of the couplings.
@@ -184,7 +186,7 @@ def _largest_deviation(one: Observation) -> float:
     """Compute the root mean square of the deviations of the film that deviates most, over what its document says."""
     films: dict[str, list[float]] = {}
     for name, value in zip(one.names, one.reference, strict=True):
-        if name.startswith("films."):
+        if describe(name).element_kind == "films":
             films.setdefault(describe(name).element, []).append(float(value) ** 2)
     return math.sqrt(max((math.fsum(own) / len(own) for own in films.values()), default=0.0))
 

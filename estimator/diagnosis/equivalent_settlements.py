@@ -43,6 +43,8 @@ class EquivalentSettlement:
 def equivalent_settlements(machine: Machine, cause: Cause) -> tuple[EquivalentSettlement, ...]:
     """Find the bearings whose settlement by itself explains a change of alignment (lever rule; derived here).
 
+    Source: lever rule, Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006.
+
     Args:
         machine: The machine.
         cause: A change of the alignment of one of its couplings.

@@ -81,6 +81,8 @@ def moved_alignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
 def settlements(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of the elevation of each bearing that is no change of one coupling's alignment.
 
+    Source: lever rule, Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006.
+
     Args:
         columns: The columns.
 
@@ -107,7 +109,7 @@ def film_changes(columns: ChangeColumns) -> Iterator[ExpectedChange]:
         The change at each bearing.
     """
     for bearing in columns.machine.bearings:
-        own = [name.startswith(f"films.{bearing.id}.") for name in columns.names]
+        own = [describe(name).element == f"films.{bearing.id}" for name in columns.names]
         if any(own):
             each = DEVIATION * np.eye(len(columns.names))[:, own]
             yield ExpectedChange(f"bearing.{bearing.id}", (each,), frozenset([f"bearing.{bearing.id}"]))
@@ -268,6 +270,8 @@ def settlement_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
 
 def process_force_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     """Return by how much a static force has changed, in N and over what was found of it in the baseline.
+
+    Source: standard result: norm of the change over that of the force before.
 
     Args:
         cause: The change of the force.

@@ -95,13 +95,15 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
 
 def _scaling(own: Coordinates, nominal: Coordinates) -> Floats:
     """Return by how much each coordinate's physical value (n,) changes in the document's machine for that in the run's [-]."""
-    forces = np.array([describe(name).element.startswith("static_load.") for name in own.names])
+    forces = np.array([describe(name).element_kind == "static_load" for name in own.names])
     reversed_ = forces & (own.point(own.centre) * nominal.point(nominal.centre) < 0.0)
     return np.where(reversed_, -1.0, 1.0) * nominal.unit / own.unit
 
 
 def film_reference(machine: Machine, baseline: Sequence[Observation], variation: HealthyVariation) -> Reference:
     """Build the baseline of a train on oil films.
+
+    Source: own derivation: runs' likelihoods less their priors, and one prior, are added up (docs/method-diagnosis.md).
 
     Args:
         machine: The machine.

@@ -104,6 +104,8 @@ class Observation:
 
         Such an estimate is one under other operating conditions.
 
+        Source: own derivation: the likelihood's second-order expansion, in the module's docstring, about another point.
+
         Args:
             point: The other estimate.
 
@@ -257,6 +259,8 @@ def names_in_common(baseline: "Sequence[Observation]") -> tuple[str, ...]:
 
 def inverse(covariance: Floats) -> Floats:
     """Compute the inverse of a covariance or an information matrix whose coordinates are of very different sizes.
+
+    Source: own derivation: both sides are divided by the standard deviations first, so that sizes do not count.
 
     Args:
         covariance: Matrix (n, n), symmetric and positive definite [unit²].

@@ -53,6 +53,8 @@ class EquilibriumSearch:
     def position(self, load: Floats, *, start: Floats | None = None) -> Floats:
         """Find the position of equilibrium under each load.
 
+        Source: P. Deuflhard, Newton Methods for Nonlinear Problems, Springer, 2004.
+
         Args:
             load: Loads (..., 2) on the journal [μ ω R L (R/c)²].
             start: Positions (..., 2) from which to search first, such as those under loads not far from these [c]; None for

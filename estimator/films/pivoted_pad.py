@@ -123,6 +123,8 @@ class PivotedPadSolver:
     def loaded(self) -> float:
         """Find δ with the journal at `WELL_LOADED`.
 
+        Source: balance of moments about the pivot, J. W. Lund, ASLE Trans. 7 (1964) 342, doi:10.1080/05698196408972064.
+
         Returns:
             The distance δ [c].
         """

@@ -31,6 +31,8 @@ class ViscosityOverSpeed:
     def at(self, speed: Floats | float) -> Floats:
         """Compute the viscosity.
 
+        Source: splines of de Boor, A Practical Guide to Splines, Springer 1978.
+
         Args:
             speed: Spin speeds (...), without sign [rad/s].
 

@@ -45,6 +45,8 @@ class RunOutFit(Struct, frozen=True, eq=False):
 def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunOutFit | None:
     """Fit a refused problem again with the run-outs of its couplings (module's docstring).
 
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
+
     Args:
         problem: The problem.
         start: Coordinates θ (n,) to start from [-].

@@ -1,4 +1,4 @@
-"""Decimals with which a value and its interval are told."""
+"""Number of decimals to which a value and its interval are rounded."""
 
 LEAST_WIDTHS = (2.0, 0.2, 0.02)
 """Half widths from which on none, one and two decimals show two digits of them."""

@@ -45,6 +45,8 @@ class GapVerdict(Struct, frozen=True):
 def with_gaps(problem: FitProblem, found: FitResult) -> GapVerdict:
     """Fit the gaps of a measurement with its phasors, as far as they may be believed (module's docstring).
 
+    Source: generalised least squares of Aitken, Proc. R. Soc. Edinb. 55 (1935) 42, doi:10.1017/S0370164600014346.
+
     Args:
         problem: The problem of the phasors.
         found: Its fit.
@@ -131,7 +133,7 @@ def _jump(one: ChannelGaps) -> int | None:
 def _ratio(problem: FitProblem, found: FitResult, rows: GapRows, one: ChannelGaps) -> tuple[float, float, float]:
     """Estimate how many times as far a gap has moved as the phasors' fit expects (generalised least squares, Aitken 1935).
 
-    Returns the ratio, its standard error, and χ² of the gap against the expectation, whose own error is reckoned with.
+    Returns the ratio, its standard error, and χ² of the gap against the expectation; the error of the expectation counts, too.
     """
     own = found.theta[rows.places]
     covariance = np.linalg.inv(found.information + problem.coordinates.prior.precision)[np.ix_(rows.places, rows.places)]

@@ -75,6 +75,8 @@ def helpful_speeds(
 
     Speeds outside the document's range are none that a machine may be asked to run at.
 
+    Source: Atkinson, Donev and Tobias, Optimum Experimental Designs, Oxford 2007.
+
     Args:
         machine: The machine.
         identification: Its identification.
@@ -108,7 +110,7 @@ def helpful_probes(
 ) -> tuple[HelpfulProbe, ...]:
     """Choose the probes, x or y at a node of the model, that would help most had they measured the same run.
 
-    Source: Atkinson, Donev and Tobias (2007).
+    Source: Atkinson, Donev and Tobias, Optimum Experimental Designs, Oxford 2007.
 
     Args:
         machine: The machine.

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from estimator.bearings.model import BearingForm
+from estimator.bearings.model import BearingForm, WholeTrain
 from estimator.bearings.terms import TERMS
 from estimator.machine.bearings_on_films import BearingOnFilm, bearings_on_films
 from estimator.machine.films import StaticLoad
@@ -100,7 +100,8 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
     yield from _alignment_problems(train)
     yield from _pedestal_problems(train)
     yield from _dependence_problems(train)
-    yield from _film_problems(train)
+    yield from _whole_train_problems(train)
+    yield from _supply_problems(train)
     yield from _rule_problems(train)
 
 
@@ -262,36 +263,41 @@ def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
                     yield _problem((place, i, name), value, message)
 
 
-def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
-    """Find bearings of which the loads on films cannot be derived: one film needs those of all bearings."""
+def _whole_train_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find parts that do not fit a form that needs all bearings of the train, as the films' does."""
     for place in ELEMENTS:
         for i, part in enumerate(getattr(train, place)):
-            if place != "bearings" and _is_of_films(part.speed_dependence):
-                message = "form 'journal' is of bearings with a film only"
-                yield _problem((place, i, "speed_dependence", "form"), "journal", message)
-    on_films = [one for one in train.bearings if _is_of_films(one.speed_dependence)]
-    yield from _ruled_film_problems(train, [f"bearing.{one.id}.{term}" for one in on_films for term in TERMS])
-    yield from _supply_problems(train)
-    for i, bearing in enumerate(train.bearings):
-        if on_films and not _is_of_films(bearing.speed_dependence):
-            message = "needs the form 'journal', as the other bearings: loads on films follow from the whole train's statics"
-            yield _problem(("bearings", i, "speed_dependence"), None, message)
-        elif on_films and bearing.film is None:
-            message = "form 'journal' needs the bearing's film: diameter, length, radial_clearance [m] and oil"
-            yield _problem(("bearings", i, "film"), None, message)
+            form, declared = part.speed_dependence, _whole_train(part.speed_dependence)
+            if place != "bearings" and declared is not None:
+                with_part = "" if declared.part is None else f" with a {declared.part}"
+                message = f"form '{form.form}' is of bearings{with_part} only"
+                yield _problem((place, i, "speed_dependence", "form"), form.form, message)
+    forms = [one.speed_dependence for one in train.bearings]
+    first = next((one for one in forms if _whole_train(one) is not None), None)
+    if first is not None and first.whole_train is not None:
+        yield from _common_form_problems(train, first.form, first.whole_train)
 
 
-def _is_of_films(form: BearingForm | None) -> bool:
-    """Return whether an element's coefficients follow from the films of the whole train."""
-    return form is not None and form.of_whole_train
+def _whole_train(form: BearingForm | None) -> WholeTrain | None:
+    """Return what a form declares of one model for all bearings of a train, where it has one."""
+    return None if form is None else form.whole_train
 
 
-def _ruled_film_problems(train: Train, coefficients: Sequence[str]) -> Iterator[InitErrorDetails]:
-    """Find rules for coefficients that follow from films."""
+def _common_form_problems(train: Train, name: str, declared: WholeTrain) -> Iterator[InitErrorDetails]:
+    """Find rules for coefficients of bearings of one form, bearings of another one, and missing fields that it needs."""
+    have_it = [one.speed_dependence is not None and one.speed_dependence.form == name for one in train.bearings]
+    ruled = [f"bearing.{one.id}.{term}" for one, has in zip(train.bearings, have_it, strict=True) if has for term in TERMS]
     for i, rule in enumerate(train.parameters):
-        if any(fnmatchcase(name, rule.names) for name in coefficients):
-            message = "coefficients of films follow from form 'journal': its own spreads say how well they are known"
+        if any(fnmatchcase(one, rule.names) for one in ruled):
+            message = f"coefficients of {declared.of} follow from form '{name}': its own spreads say how well they are known"
             yield _problem(("parameters", i), rule.names, message)
+    for i, (bearing, has) in enumerate(zip(train.bearings, have_it, strict=True)):
+        if not has:
+            message = f"needs the form '{name}', as the other bearings: {declared.reason}"
+            yield _problem(("bearings", i, "speed_dependence"), None, message)
+        elif declared.part is not None and getattr(bearing, declared.part) is None:
+            message = f"form '{name}' needs the bearing's {declared.part}: {declared.contents}"
+            yield _problem(("bearings", i, declared.part), None, message)
 
 
 def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:

@@ -69,7 +69,7 @@ def with_open_forces(machine: Machine, spreads: Mapping[str, float]) -> tuple[Ma
     loads = {one.id: one for one in machine.static_loads}
     stated = []
     for name, spread in spreads.items():
-        _, load, component = name.split(".")
+        load, component = describe(name).element_id, describe(name).quantity
         stated.append(float(getattr(loads[load], component)))
         loads[load] = loads[load].model_copy(update={f"{component}_spread": spread})
     return machine.model_copy(update={"static_loads": tuple(loads.values())}), tuple(stated)

@@ -64,6 +64,14 @@ class ParameterDescription(Struct, frozen=True):
         return self.element if self.quantity in ROTATING_ERRORS else self.channel
 
     @property
+    def physical_quantity(self) -> str | None:
+        """Return the physical quantity, such as "elevation" of `elevation_x`; None of what no bearing model knows."""
+        if self.term is not None:
+            return self.term.quantity
+        own = OWN_PARAMETERS.get(self.quantity)
+        return None if own is None else own.quantity
+
+    @property
     def positive(self) -> bool:
         """Return whether it is positive by nature; its logarithm is fitted, compared and averaged then."""
         if self.term is not None:

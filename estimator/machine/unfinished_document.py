@@ -122,7 +122,7 @@ def _without_failing(found: Iterator[InitErrorDetails]) -> Iterator[InitErrorDet
 
 
 def _moved(one: InitErrorDetails, train: _PartialTrain) -> InitErrorDetails:
-    """Return a contradiction at the place in the document of the part that has it."""
+    """Return a contradiction with the place of its part in the whole document."""
     name, place, *rest = one["loc"]
     if isinstance(name, str) and name in train.places and isinstance(place, int):
         one["loc"] = (name, train.places[name][place], *rest)

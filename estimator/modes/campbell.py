@@ -135,6 +135,8 @@ def modal_assurance(before: Modes, after: Modes, mass: Floats) -> Floats:
 
     One among coinciding modes counts as all of them: their shapes are arbitrary.
 
+    Source: Allemang and Brown, 1st IMAC, 1982.
+
     Args:
         before: n modes.
         after: m modes.

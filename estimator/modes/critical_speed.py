@@ -204,6 +204,9 @@ def crossing_modes(matrices: MatricesOverSpeed, *, direction: int, highest: floa
     each other; between them intervals are halved while some frequency is so near the line that it could cross it and come
     back. Where coefficients follow the speed, the undamped critical speeds are those of either end and the middle.
 
+    Source: own derivation: change of sign of frequency less spin; undamped ones by Nelson and McVaugh, J. Eng. Ind. 98 (1976)
+    593, doi:10.1115/1.3438942.
+
     Args:
         matrices: Matrices over the spin speed.
         direction: Sense of rotation, +1 from +x to +y, else -1.

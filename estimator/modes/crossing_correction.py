@@ -26,6 +26,9 @@ ITERATIONS = 3
 def corrected_crossing(matrices: Callable[[float], SystemMatrices], guess: Modes, *, direction: int) -> Modes | None:
     """Correct a crossing with the synchronous line by Newton's method (Schreiber 2008, module's docstring).
 
+    Source: K. Schreiber, Nonlinear eigenvalue problems: Newton-type methods and nonlinear Rayleigh functionals, thesis, TU
+    Berlin, 2008.
+
     Args:
         matrices: Function that returns the matrices at a spin speed [rad/s].
         guess: A single mode near the crossing.
@@ -63,6 +66,9 @@ def corrected_crossing(matrices: Callable[[float], SystemMatrices], guess: Modes
 
 def mode_by_inverse_iteration(matrices: SystemMatrices, eigenvalue: complex, *, spin: float) -> tuple[Complexes, Complexes]:
     """Compute shape and left vector of a mode whose eigenvalue is known, by inverse iteration.
+
+    Source: K. Schreiber, Nonlinear eigenvalue problems: Newton-type methods and nonlinear Rayleigh functionals, thesis, TU
+    Berlin, 2008.
 
     Args:
         matrices: Matrices of the train with N degrees of freedom.

@@ -65,6 +65,8 @@ def log_decrement(eigenvalue: Complexes) -> Floats:
 def modes(matrices: SystemMatrices, *, spin: float, left_vectors: bool = True) -> Modes:
     """Solve for the oscillating modes of a train at a spin speed; overdamped ones are left out.
 
+    Source: standard result: eigenvalues and eigenvectors of the train's state matrix.
+
     Args:
         matrices: Matrices of the train.
         spin: Spin speed, signed as the sense of rotation [rad/s].
@@ -121,6 +123,8 @@ def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: f
     """Solve for the eigenvalues with positive imaginary part; overdamped modes are left out.
 
     Im λ is the damped natural frequency, |λ| the undamped one, -Re λ / |λ| the damping ratio.
+
+    Source: standard result: eigenvalues of the train's state matrix.
 
     Args:
         machine: The machine.

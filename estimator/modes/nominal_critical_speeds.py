@@ -37,6 +37,8 @@ def crossed_critical_speeds(machine: Machine, *, lowest: float, highest: float) 
 def nominal_critical_speeds(machine: Machine) -> Floats:
     """Compute the undamped critical speeds of the document's nominal model up to its maximum speed.
 
+    Source: Nelson and McVaugh, J. Eng. Ind. 98 (1976) 593, doi:10.1115/1.3438942.
+
     Args:
         machine: The machine.
 

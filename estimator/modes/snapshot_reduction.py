@@ -35,6 +35,8 @@ def snapshot_basis(
 ) -> Basis:
     """Compute shapes of the modes that a train has up to a frequency and a spin speed (Sirovich 1987).
 
+    Source: Sirovich, Quart. Appl. Math. 45 (1987) 561.
+
     Args:
         matrices: Function that returns the matrices at a spin speed [rad/s].
         direction: Sense of rotation, +1 or -1.

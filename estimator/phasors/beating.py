@@ -74,6 +74,9 @@ class Beat(Struct, frozen=True, eq=False):
 def find_beats(speed: Floats, phasor: Complexes, usable: NDArray[np.bool_]) -> tuple[Beat | None, ...]:
     """Find the clearest beat in each channel of a sweep.
 
+    Source: own derivation: a pure sinusoid over the square of the distance from the natural frequency, in the module's
+    docstring.
+
     Args:
         speed: Speeds (S,) in order of time [rad/s].
         phasor: Phasors (S, m) [m].

@@ -69,6 +69,8 @@ def measures_second(runs: Sequence[Orders], channel: int) -> bool:
 def second_over_first(runs: Sequence[Orders], channel: int, *, running_speed: float) -> OrderRatio | None:
     """Compute the ratio |2×|/|1×| of one channel in all samples near a speed together (Conover 1999, §3.2).
 
+    Source: Conover, Practical Nonparametric Statistics, Wiley 1999, §3.2.
+
     Args:
         runs: The runs.
         channel: Index of the channel.

@@ -78,6 +78,8 @@ def modal_course(sweep: Sweep, eigenvalue: Complexes, force: Complexes, steady: 
 
     Its deviation d obeys ḋ = (λ - jω) d - ẇ_steady + (force - steady force); within a step λ - jω is its mean.
 
+    Source: own derivation: one mode in the frame that turns with the shaft, exact within a step, in the module's docstring.
+
     Args:
         sweep: The sweep.
         eigenvalue: Eigenvalue λ at each instant (n,) [rad/s].

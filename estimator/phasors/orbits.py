@@ -180,7 +180,7 @@ def _undetectable_finding(place: ProbeStation, why: str) -> OrbitFinding:
 
 
 def _backward_findings(backward: list[ProbeStation], judged: int) -> list[OrbitFinding]:
-    """Return the findings for backward orbits among so many that were judged: one per station, or one for all."""
+    """Return the findings for backward orbits: one per station, or one for all where all that were judged turn backward."""
     if len(backward) == judged > 1:
         channels = tuple(channel for place in backward for channel in place.channels)
         words = f"the orbits at all {judged} pairs of probes turn backward: the sense of rotation is wrong, or every pair"
@@ -220,6 +220,8 @@ class ExpectedOrbits:
     @classmethod
     def of(cls, machine: Machine) -> "ExpectedOrbits":
         """Compute the orbits of a machine at its nominal values.
+
+        Source: own derivation: geometry of ellipses that grow over speed, in the module's docstring.
 
         Args:
             machine: The machine.
@@ -265,6 +267,8 @@ class ExpectedOrbits:
 
         For u and v of zero mean P(|u| > |v|) = ½ + ½ (a - b) / √((a + b)² - 4|c|²) with a = E|u|², b = E|v|², c = E u v*.
 
+        Source: own derivation: ratio of two Gaussian quadratic forms, as stated above.
+
         Args:
             place: The station.
             direction: Sense of rotation, +1 or -1.
@@ -281,6 +285,8 @@ class ExpectedOrbits:
 
     def size(self, place: ProbeStation) -> float:
         """Compute the rms of the orbit's growth at a station, over such unbalances.
+
+        Source: own derivation: root of the sum over independent unbalances.
 
         Args:
             place: The station.

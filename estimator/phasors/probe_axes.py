@@ -41,7 +41,10 @@ class ProbeStation(Struct, frozen=True, eq=False):
 
     @property
     def condition(self) -> float:
-        """Return the condition number of the angles [-]: 1 at right angles, infinite where the probes see one line only."""
+        """Return the condition number of the angles [-]: 1 at right angles, infinite where the probes see one line only.
+
+        Source: standard result: condition number of the normal equations of x cos β + y sin β.
+        """
         return float(_condition(self.directions.T @ self.directions))
 
     @property
@@ -112,6 +115,8 @@ def probe_stations(machine: Machine) -> tuple[ProbeStation, ...]:
 
 def axis_phasors(station: ProbeStation, *, phasor: Complexes, usable: NDArray[np.bool_]) -> AxisPhasors:
     """Solve for the displacements along x and y at one station, by least squares.
+
+    Source: standard result: least squares of x cos β + y sin β.
 
     Args:
         station: The station.

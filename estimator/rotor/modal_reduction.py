@@ -91,6 +91,8 @@ class Basis(Struct, frozen=True, eq=False):
     def coordinates(self, shapes: Entries) -> Entries:
         """Compute the coordinates of motions, in the sense of least squares.
 
+        Source: standard result: least squares by the pseudo-inverse.
+
         Args:
             shapes: Motions (N, n) of all degrees of freedom [m, rad].
 
@@ -148,6 +150,9 @@ def reduced_basis(machine: Machine, highest: float) -> Basis:
 
     This holds whatever the machine's coefficients are, at spin speeds up to that size. Component mode synthesis (MacNeal 1971,
     Rubin 1975; module's docstring).
+
+    Source: free-interface modes of MacNeal, Comput. Struct. 1 (1971) 581, doi:10.1016/0045-7949(71)90031-9, and Rubin, AIAA J.
+    13 (1975) 995, doi:10.2514/3.60497.
 
     Args:
         machine: The machine.

@@ -49,7 +49,8 @@ def parameter_units(machine: Machine) -> dict[str, str]:
     """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
-    found = _coefficient_units([one for one in unknown.coefficients if not one.form.of_whole_train])
+    found = _coefficient_units([one for one in unknown.coefficients if one.form.whole_train is None])
+    found |= _whole_train_units(machine)
     found |= _film_parameter_units(machine)
     found |= {one.name: one.unit for one in unknown.excitations}
     found |= dict.fromkeys((one.name for one in scale_factors(machine, rotor)), UNITS["scale factor"])
@@ -95,6 +96,18 @@ def derived_units(machine: Machine) -> dict[str, str]:
         found |= {f"probe.{channel}.amplification_factor.N": "1", f"probe.{channel}.second_over_first": "1"}
         found |= {f"probe.{channel}.second_amplitude": "m", f"probe.{channel}.second_phase": "rad"}
     return found | _film_units(machine)
+
+
+def _whole_train_units(machine: Machine) -> dict[str, str]:
+    """Return the SI unit by name of the parameters that a model of the whole train has of each bearing, films aside."""
+    on_films = {one.id for one in bearings_on_films(machine.bearings)}
+    return {
+        f"bearing.{bearing.id}.{one.name}": one.unit
+        for bearing in machine.bearings
+        if bearing.id not in on_films
+        if bearing.speed_dependence is not None and bearing.speed_dependence.whole_train is not None
+        for one in bearing.speed_dependence.own_parameters
+    }
 
 
 def _film_parameter_units(machine: Machine) -> dict[str, str]:

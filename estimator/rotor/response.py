@@ -36,6 +36,8 @@ def response(train: CondensedTrain, *, coefficients: Floats, excitations: Comple
 def excitation_responses(train: CondensedTrain, *, coefficients: Floats) -> Complexes:
     """Compute the phasors per unit of each excitation, of which the response is a sum.
 
+    Source: thesis Eq. 3.23, for one excitation at a time.
+
     Args:
         train: The condensed train.
         coefficients: Coefficients (K,), or (S, K) where they follow the speed [SI].
@@ -78,6 +80,8 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
     From Z q = F: ∂q/∂p = -Z⁻¹ (∂Z/∂p) q with ∂Z/∂p = (jω)ⁿ Σ a bᵀ, and q is linear in the excitations. A response to no
     excitation has no derivative by the coefficients. A coupling that runs out strains by what its ends move beyond the place
     where it is free of load.
+
+    Source: own derivation: Z q = F of thesis Eq. 3.23, differentiated.
 
     Args:
         train: The condensed train.

@@ -66,6 +66,8 @@ class SystemMatrices(Struct, frozen=True, eq=False):
     def state_matrix(self, *, spin: float) -> Floats:
         """Compute A of ż = A z with z = (q, q̇).
 
+        Source: standard result: the module's equation of motion in first-order form.
+
         Args:
             spin: Spin speed Ω, signed as the rotation [rad/s].
 

@@ -136,6 +136,8 @@ class ShaftAngle:
     def at(self, time: Floats) -> Floats:
         """Compute the angle at some instants.
 
+        Source: monotone cubic of Fritsch and Carlson (1980, doi:10.1137/0717021).
+
         Args:
             time: Instants (...), of any shape [s].
 
@@ -146,6 +148,8 @@ class ShaftAngle:
 
     def speed(self, time: Floats) -> Floats:
         """Compute the speed at some instants: one turn's value, as noisy as the edges are.
+
+        Source: monotone cubic of Fritsch and Carlson (1980, doi:10.1137/0717021).
 
         Args:
             time: Instants (...), of any shape [s].
@@ -259,6 +263,8 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     With more than one mark the phase is known up to a multiple of 2π / pulses_per_turn only, as the first good edge is taken
     as angle zero, and nothing behind a gap is used. A turn with twice the marks declared cannot be told from twice the speed.
     Near standstill, where the speed changes by more than a tenth in a turn, a longer turn may pass for a missing pulse.
+
+    Source: monotone cubic of Fritsch and Carlson (1980, doi:10.1137/0717021) through the edges.
 
     Args:
         times: Instants of the edges (P,), ascending [s].

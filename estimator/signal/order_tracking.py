@@ -175,7 +175,7 @@ def track_block(
     start: float = 0.0,
     rails: Rails = None,
 ) -> Block | LeftOut:
-    """Compute the phasors of waveforms in one block, in which the angle is known throughout.
+    """Compute the phasors of waveforms in one block by the sine fit of IEEE Std 1057 over the angle, known throughout.
 
     Args:
         waveforms: Waveforms (C, N) [any unit].

@@ -33,6 +33,9 @@ STEP_SAMPLES = 2_000
 def local_variance(residual: Floats, *, angle_cosine: Floats, angle_sine: Floats, turns: float) -> Floats | None:
     """Estimate the variance of white noise that would be as strong near the order as the residual is.
 
+    Source: own derivation: median of the periodogram beside the order over that of an exponential distribution, less what a
+    line near it adds.
+
     Args:
         residual: Residuals (C, N) of C channels [any unit].
         angle_cosine: Cosine of the order's angle (N,) [-].

@@ -48,6 +48,8 @@ class CoastDown:
     def envelope(self, time: Floats) -> Complexes:
         """Interpolate the envelopes by cubic splines between the steps.
 
+        Source: standard result: cubic spline between the steps.
+
         Args:
             time: Instants (N,) [s].
 

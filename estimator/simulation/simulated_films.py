@@ -11,6 +11,7 @@ from estimator.bearings.model import ModelParameter
 from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
+from estimator.machine.parameter_description import describe
 from estimator.machine.parts import Coupling
 from estimator.statics.film_model import FilmModel, film_model
 from estimator.statics.film_stability import least_damped_whirl
@@ -130,7 +131,7 @@ class SimulatedFilms:
     def _places(self, quantity: str) -> list[int]:
         """Return the places of the numbers of a quantity; of the viscosity, its factors too."""
         wanted = ("viscosity", "viscosity_factor") if quantity == "viscosity" else (f"{quantity}_x", f"{quantity}_y")
-        return [k for k, one in enumerate(self.model.numbers) if one.name.rpartition(".")[2] in wanted]
+        return [k for k, one in enumerate(self.model.numbers) if describe(one.name).quantity in wanted]
 
     @cached_property
     def _scale(self) -> Floats:

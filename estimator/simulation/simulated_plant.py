@@ -88,7 +88,7 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
         ValueError: The document leaves a direct term or a disc's unbalance without a nominal value.
     """
     unknown = unknowns(machine, assemble_rotor(machine))
-    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None and not c.form.of_whole_train]
+    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None and c.form.whole_train is None]
     missing += [p.name for p in unknown.unbalances if p.nominal is None]
     if missing:
         raise ValueError(f"to simulate '{machine.id}' its document must give nominal values of {', '.join(missing)}")
@@ -144,7 +144,7 @@ def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
 
 
 def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
-    """Draw the truth of one run: load and temperature are never quite the same.
+    """Draw the true parameters of one run: load and temperature differ a little from run to run.
 
     Args:
         truth: Truth of the machine.

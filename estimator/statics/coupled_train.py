@@ -16,6 +16,7 @@ from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
 from estimator.bearings.registry import CONSTANT
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import Rotor, assemble_rotor
 from estimator.rotor.coefficient_models import prior_parameter
 from estimator.rotor.identity_cache import cached_by_identity
@@ -100,6 +101,8 @@ class CoupledTrain:
 
     def at(self, factors: Floats) -> TrainStatics:
         """Compute the train at rest, with derivatives by the logarithms of the factors.
+
+        Source: Woodbury's identity, Hager, SIAM Rev. 31 (1989) 221, doi:10.1137/1031049.
 
         Args:
             factors: Factors (C,) on the expected stiffnesses, positive [-].
@@ -199,7 +202,7 @@ def coupled_train(machine: Machine) -> CoupledTrain:
     identified = _identified(unknowns(machine, rotor).coefficients)
     leaders = list(dict.fromkeys(leader.name for _, leader in identified))
     parameters = {leader.name: prior_parameter(leader) for _, leader in identified}
-    joints = [(one, leaders.index(leader.name)) for one, leader in identified if one.element.startswith("coupling.")]
+    joints = [(one, leaders.index(leader.name)) for one, leader in identified if describe(one.name).element_kind == "coupling"]
     acting = dense([one.left for one, _ in joints], rotor.size)
     deflected, moved = free_motion(stiffness, np.column_stack([load, units, acting]), held)
     sag, by_unit, motion = np.split(deflected, [1, 1 + units.shape[1]], axis=1)
@@ -250,7 +253,7 @@ def _identified(coefficients: tuple[Coefficient, ...]) -> list[tuple[Coefficient
     return [
         (one, leader)
         for one, leader in pairs
-        if one.element.startswith(("coupling.", "pedestal."))
+        if describe(one.name).element_kind in ("coupling", "pedestal")
         and one.direct
         and one.order == 0
         and not leader.fixed

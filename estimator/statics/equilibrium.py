@@ -84,6 +84,8 @@ class FilmTrain:
     def equilibrium(self, speed: float, *, start: Floats | None = None) -> FilmEquilibrium | None:
         """Find the equilibrium at a speed by Newton's method with steps that are halved.
 
+        Source: Pennacchi, Vania and Chatterton, Mech. Syst. Signal Process. 30 (2012) 306.
+
         Args:
             speed: Spin speed, without sign [rad/s].
             start: Positions (n, 2) to start from, such as those at a speed beside [m]; None for several.
@@ -100,6 +102,8 @@ class FilmTrain:
 
     def equilibria(self, speed: float) -> tuple[FilmEquilibrium, ...]:
         """Find the equilibria that lie apart, from all the usual places.
+
+        Source: Pennacchi, Vania and Chatterton, Mech. Syst. Signal Process. 30 (2012) 306.
 
         Args:
             speed: Spin speed, without sign [rad/s].

@@ -5,6 +5,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
 from estimator.statics.equilibrium import FilmEquilibrium
@@ -24,10 +25,10 @@ def film_coefficients(machine: Machine, equilibrium: FilmEquilibrium) -> Floats:
     places = {term.name: ("xy".index(term.force), "xy".index(term.motion)) for term in LATERAL}
     found = []
     for one in unknowns(machine, assemble_rotor(machine)).coefficients:
-        kind, element = one.element.split(".", 1)
-        if kind != "bearing":
+        described = describe(one.name)
+        if described.element_kind != "bearing":
             found.append(one.expected)
             continue
-        film = equilibrium.film[numbers[element]]
+        film = equilibrium.film[numbers[described.element_id]]
         found.append(float((film.stiffness if one.order == 0 else film.damping)[places[one.term.name]]))
     return np.array(found)

@@ -111,7 +111,7 @@ class FilmCurves:
         Returns:
             The equilibria; None where no pad tilts, or a film is too thin.
         """
-        if all(one.said.pads is None for one in self._films.nominal.train.bearings):
+        if all(one.described.pads is None for one in self._films.nominal.train.bearings):
             return None
         return self._films.equilibria_at(fitted, self._speed)
 

@@ -167,7 +167,7 @@ class FilmParameters:
         bearings = tuple(
             _changed(one, *row) for one, row in zip(self.train.bearings, numbers[:, [0, 1, 4]].tolist(), strict=True)
         )
-        said = np.array([(one.said.elevation_x, one.said.elevation_y) for one in self.train.bearings])
+        said = np.array([(one.described.elevation_x, one.described.elevation_y) for one in self.train.bearings])
         statics = self.coupled.at(self.factors(fitted)) if self.read else self.train.statics
         if self.loads:
             pushed, slopes = self.load_changes(fitted), statics.slopes
@@ -196,7 +196,7 @@ class FilmParameters:
 
 def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, ModelParameter]]:
     """Yield the numbers of a film that are fitted, with the parameters that give them."""
-    said, names = bearing.said, film_parameter_names(bearing.name, bearing.said, form)
+    said, names = bearing.described, film_parameter_names(bearing.name, bearing.described, form)
     yield "clearance", _logarithmic(names["clearance"], said.radial_clearance, form.clearance_spread)
     thick = bearing.oil.value if said.oil.supply is None else 1.0
     yield "viscosity", _logarithmic(names["viscosity"], thick, form.viscosity_spread)
@@ -223,5 +223,5 @@ def _logarithmic(name: str, value: float, spread: float) -> ModelParameter:
 
 def _changed(bearing: JournalBearing, wider: float, thicker: float, slope: float) -> JournalBearing:
     """Return a bearing with other logarithms of clearance and viscosity, and another slope of this."""
-    said = bearing.said.model_copy(update={"radial_clearance": bearing.said.radial_clearance * float(np.exp(wider))})
-    return replace(bearing, said=said, oil=bearing.oil.changed(factor=float(np.exp(thicker)), slope=slope))
+    said = bearing.described.model_copy(update={"radial_clearance": bearing.described.radial_clearance * float(np.exp(wider))})
+    return replace(bearing, described=said, oil=bearing.oil.changed(factor=float(np.exp(thicker)), slope=slope))

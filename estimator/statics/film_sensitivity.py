@@ -41,6 +41,9 @@ class FilmSensitivity:
 def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> FilmSensitivity:
     """Compute the derivatives of equilibria (implicit function; powers of the clearance as in Lund 1987).
 
+    Source: own derivation: implicit function, in the module's docstring; powers of the clearance as in Lund, J. Tribol. 109
+    (1987) 37.
+
     Args:
         train: The train on its n films.
         found: Its equilibria at S speeds.

@@ -39,6 +39,8 @@ class LeastDampedWhirl:
 def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastDampedWhirl | None:
     """Solve for the least damped mode at an equilibrium; pads that tilt are degrees of freedom of their own.
 
+    Source: Lund, J. Tribol. 109 (1987) 37, pads by J. W. Lund, ASLE Trans. 7 (1964) 342, doi:10.1080/05698196408972064.
+
     Args:
         machine: The machine.
         equilibrium: Its equilibrium at a speed.

@@ -35,6 +35,8 @@ class _JournalsOverSpeed:
 def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[FilmEquilibrium, ...] | None:
     """Find the equilibria at some speeds near positions that are known, such as those of films a little different.
 
+    Source: Nocedal and Wright, Numerical Optimization, 2006, sec. 11.1 and 11.2.
+
     Args:
         train: The train on its n films.
         speeds: Spin speeds (S,), without sign [rad/s].

@@ -27,31 +27,31 @@ class JournalBearing:
     Attributes:
         name: Id of the bearing.
         film: Its film, of a journal that turns from +x to +y.
-        said: What the document says of it.
+        described: What the document says of it.
         oil: Viscosity of its oil over speed.
         direction: Sense of rotation, +1 or -1 [-].
     """
 
     name: str
     film: FilmOverPosition
-    said: JournalFilm
+    described: JournalFilm
     oil: ViscosityOverSpeed
     direction: int
 
     @property
     def clearance(self) -> float:
         """Return the radial clearance of the pads [m]."""
-        return self.said.radial_clearance
+        return self.described.radial_clearance
 
     @property
     def radius(self) -> float:
         """Return the radius of the journal [m]."""
-        return self.said.diameter / 2
+        return self.described.diameter / 2
 
     @property
     def turns_sharply(self) -> bool:
         """Return whether the film may turn sharply where the journal passes a lobe's centre of curvature."""
-        return self.said.pads is None and self.said.preload > 0.0
+        return self.described.pads is None and self.described.preload > 0.0
 
     def covers(self, position: Floats) -> bool:
         """Return whether the film is known at a position.
@@ -103,7 +103,7 @@ class JournalBearing:
             self.film,
             self._mirrored(position),
             radius=self.radius,
-            length=self.said.length,
+            length=self.described.length,
             clearance=self.clearance,
             viscosity=self.oil.at(speed),
             speed=speed,
@@ -129,13 +129,13 @@ class JournalBearing:
 
 
 def journal_bearing(
-    name: str, said: JournalFilm, *, direction: int, load: Floats, speeds: tuple[float, float, float]
+    name: str, described: JournalFilm, *, direction: int, load: Floats, speeds: tuple[float, float, float]
 ) -> JournalBearing:
     """Make a bearing's film; the first of a geometry takes seconds, the next are taken from a cache.
 
     Args:
         name: Id of the bearing.
-        said: What the document says of its film.
+        described: What the document says of its film.
         direction: Sense of rotation, +1 or -1 [-].
         load: Load (2,) on the journal at rest, by which an oil that comes at some temperature is warmed; shape (axis,) [N].
         speeds: Lowest and highest speed of the machine, and that at which viscosity is told [rad/s].
@@ -146,19 +146,21 @@ def journal_bearing(
     Raises:
         InvalidSlenderness: No bearing has this ratio of length to diameter.
     """
-    slenderness = said.length / said.diameter
+    slenderness = described.length / described.diameter
     film: FilmOverPosition
-    if said.pads is None:
-        film = Film(_profile(said, direction), slenderness)
+    if described.pads is None:
+        film = Film(_profile(described, direction), slenderness)
     else:
-        film = TiltingFilm(_tilting(said, said.pads, direction), slenderness)
-    return JournalBearing(name, film, said, _oil(said, film, load * (float(direction), 1.0), speeds), direction)
+        film = TiltingFilm(_tilting(described, described.pads, direction), slenderness)
+    return JournalBearing(name, film, described, _oil(described, film, load * (float(direction), 1.0), speeds), direction)
 
 
-def _oil(said: JournalFilm, film: FilmOverPosition, load: Floats, speeds: tuple[float, float, float]) -> ViscosityOverSpeed:
+def _oil(
+    described: JournalFilm, film: FilmOverPosition, load: Floats, speeds: tuple[float, float, float]
+) -> ViscosityOverSpeed:
     """Return the viscosity over speed (ASTM D341); the load is in the film's axes."""
     lowest, highest, told = speeds
-    oil = said.oil
+    oil = described.oil
     if oil.viscosity is not None:
         return ViscosityOverSpeed(oil.viscosity, told)
     assert oil.iso_vg is not None  # as the document's checks say
@@ -173,30 +175,30 @@ def _oil(said: JournalFilm, film: FilmOverPosition, load: Floats, speeds: tuple[
         inlet=oil.inlet_c,
         carried=oil.carried,
         load=load,
-        radius=said.diameter / 2,
-        length=said.length,
-        clearance=said.radial_clearance,
+        radius=described.diameter / 2,
+        length=described.length,
+        clearance=described.radial_clearance,
         speed=speed,
     )
     course = ViscosityOverSpeed(1.0, told, course=(speed, grade.viscosity(warm)))
     return replace(course, value=float(np.exp(np.interp(np.log(told), np.log(speed), np.log(grade.viscosity(warm))))))
 
 
-def _tilting(said: JournalFilm, pads: TiltingPads, direction: int) -> TiltingProfile:
-    below = -math.pi / 2 + direction * math.radians(said.turned_deg)
+def _tilting(described: JournalFilm, pads: TiltingPads, direction: int) -> TiltingProfile:
+    below = -math.pi / 2 + direction * math.radians(described.turned_deg)
     first = below if pads.load == "on_pad" else below + math.pi / pads.number
-    return TiltingProfile(pads.number, math.radians(pads.arc_deg), said.preload, pads.pivot, first)
+    return TiltingProfile(pads.number, math.radians(pads.arc_deg), described.preload, pads.pivot, first)
 
 
-def _profile(said: JournalFilm, direction: int) -> BearingProfile:
-    groove, turned = math.radians(said.groove_deg), direction * math.radians(said.turned_deg)
-    if said.profile == "plain":
+def _profile(described: JournalFilm, direction: int) -> BearingProfile:
+    groove, turned = math.radians(described.groove_deg), direction * math.radians(described.turned_deg)
+    if described.profile == "plain":
         # Without grooves nothing says where the film begins.
-        return plain(continuous=said.length <= MOST_CONTINUOUS * said.diameter)
-    if said.profile == "two_axial_grooves":
+        return plain(continuous=described.length <= MOST_CONTINUOUS * described.diameter)
+    if described.profile == "two_axial_grooves":
         return two_axial_grooves(groove=groove, split=turned)
-    if said.profile == "elliptical":
-        return elliptical(preload=said.preload, groove=groove, split=turned)
-    if said.profile == "three_lobe":
-        return three_lobe(preload=said.preload, groove=groove, first=turned - math.pi / 2)
-    return four_lobe(preload=said.preload, groove=groove, first=turned - math.pi / 4)
+    if described.profile == "elliptical":
+        return elliptical(preload=described.preload, groove=groove, split=turned)
+    if described.profile == "three_lobe":
+        return three_lobe(preload=described.preload, groove=groove, first=turned - math.pi / 2)
+    return four_lobe(preload=described.preload, groove=groove, first=turned - math.pi / 4)

@@ -25,6 +25,8 @@ def state_matrix_with_pads(
 ) -> Floats:
     """Compute A of ż = A z with z = (q, q̇, w), w being the states of the pads that tilt (Lund 1964).
 
+    Source: J. W. Lund, ASLE Trans. 7 (1964) 342, doi:10.1080/05698196408972064.
+
     Args:
         machine: The machine.
         equilibrium: Its equilibrium at a speed.

@@ -53,12 +53,17 @@ class NominalFilms:
 
     @cached_property
     def spline(self) -> "scipy.interpolate.CubicSpline":
-        """Return the spline over the logarithm of the speed by which values (G,) at these speeds weigh at others."""
+        """Return the spline over the logarithm of the speed by which values (G,) at these speeds weigh at others.
+
+        Source: splines of de Boor, A Practical Guide to Splines, Springer 1978.
+        """
         return scipy.interpolate.CubicSpline(np.log(self.speed), np.eye(SPEEDS))
 
     @cached_property
     def equilibria(self) -> tuple[FilmEquilibrium, ...]:
         """Return the equilibria at these speeds.
+
+        Source: Pennacchi, Vania and Chatterton, Mech. Syst. Signal Process. 30 (2012) 306.
 
         Raises:
             FilmTooThin: There is none at a speed.
@@ -89,7 +94,7 @@ class NominalFilms:
 def _most_loaded(train: FilmTrain) -> str:
     """State which bearing has the highest pressure at rest."""
     loads = np.linalg.norm(train.statics.film_force(train.elevation), axis=1)
-    pressures = loads / [one.said.diameter * one.said.length for one in train.bearings]
+    pressures = loads / [one.described.diameter * one.described.length for one in train.bearings]
     worst = int(np.argmax(pressures))
     carried = f"{loads[worst]:.3g} N on bearing '{train.bearings[worst].name}'"
     return f"{carried} at rest are {1e-6 * pressures[worst]:.3g} MPa over diameter and length; usual is 0.5 to 3 MPa"

@@ -94,8 +94,8 @@ def static_stiffness(machine: Machine, *, couplings: Collection[str]) -> Floats:
         Stiffness (N, N) [N/m, N, N m].
     """
     listed = unknowns(machine, assemble_rotor(machine)).coefficients
-    acting = {f"coupling.{one}" for one in couplings}
-    values = [one.expected if one.element in acting or one.element.startswith("pedestal.") else 0.0 for one in listed]
+    acting = {f"coupling.{one}" for one in couplings} | {f"pedestal.{one.id}" for one in machine.pedestals}
+    values = [one.expected if one.element in acting else 0.0 for one in listed]
     return system_matrices(machine, coefficients=np.array(values)).stiffness
 
 

@@ -24,6 +24,8 @@ GROWING = -1e-4
 def whirl_words(machine: Machine) -> str:
     """State that the document describes a train that whirls within its own speed range; tables of new films take seconds.
 
+    Source: Lund, J. Eng. Ind. 96 (1974) 509.
+
     Args:
         machine: The machine.
 

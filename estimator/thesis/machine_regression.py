@@ -112,6 +112,8 @@ def _reduced_chi_square(machine: Machine, measurement: Measurement, coefficients
 def bearing_translations(machine: Machine, measurement: Measurement) -> tuple[Complexes, NDArray[np.bool_]]:
     """Compute the translations along x and y at the bearings, as `FlexibleTrain.bearing` orders them.
 
+    Source: standard result: least squares of x cos β + y sin β.
+
     Args:
         machine: The machine.
         measurement: S samples of its channels.

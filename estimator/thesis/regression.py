@@ -83,6 +83,8 @@ def real_rows(equations: Complexes) -> Floats:
 def column_scale(regression: Regression, scaling: Scaling) -> Floats:
     """Compute the factor on each column: none, the thesis's, or one over the column's norm (van der Sluis 1969).
 
+    Source: thesis Eq. 2.14-2.18; van der Sluis (1969, doi:10.1007/BF02165096).
+
     Args:
         regression: The equations.
         scaling: Kind of the scaling.
@@ -104,6 +106,8 @@ def column_scale(regression: Regression, scaling: Scaling) -> Floats:
 
 def condition_number(matrix: Floats) -> float:
     """Compute the condition number in the 2-norm.
+
+    Source: standard result: largest over smallest singular value.
 
     Args:
         matrix: Matrix (R, C) [any unit].

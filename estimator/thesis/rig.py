@@ -85,6 +85,8 @@ class BearingGrowth:
 
         Three frequencies cannot tell more apart. Growth between -90 % and +900 %.
 
+        Source: own derivation: least squares on the first three frequencies that the thesis, Chapter 5, prints.
+
         Args:
             machine: The machine.
             change: Factors (3,) on the frequencies [-].

@@ -70,6 +70,8 @@ def extrema_phasor(signal: Floats, *, time: Floats, pulse: float, frequency: flo
 def least_squares_phasor(signal: Floats, *, time: Floats, pulse: float, frequency: float) -> complex:
     """Fit mean, cosine and sine to the whole signal; no filter is needed.
 
+    Source: own derivation: linear least squares, in place of the thesis's one maximum and one minimum (thesis §5.4).
+
     Args:
         signal: Displacement (N,) [m].
         time: Instants (N,) [s].

@@ -53,6 +53,8 @@ class AcceptanceRegion:
 def acceptance_region(vectors: Complexes) -> AcceptanceRegion | None:
     """Compute the region from the vectors of n runs to which nothing has happened (Hotelling 1931).
 
+    Source: Hotelling, Ann. Math. Stat. 2 (1931) 360, doi:10.1214/aoms/1177732979.
+
     Args:
         vectors: Vectors (n,) [any unit].
 

@@ -41,6 +41,8 @@ def baseline_band(name: str, value: Floats, error: Floats) -> Band:
     error of one fit, as the baseline's fits have it, and the uncertainty of the mean of n. Direct terms are judged as
     logarithms.
 
+    Source: Hahn and Meeker, Statistical Intervals, Wiley 1991.
+
     Args:
         name: Name of the parameter.
         value: Estimates (n,) in the parameter's unit [SI].
@@ -63,6 +65,8 @@ def baseline_band(name: str, value: Floats, error: Floats) -> Band:
 
 def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
     """Compute the band of an unbalance's magnitude from the estimates of n runs.
+
+    Source: Hahn and Meeker, Statistical Intervals, Wiley 1991.
 
     Args:
         name: Name of the excitation.

@@ -58,6 +58,8 @@ def change_began(deviation: Floats, *, reference: float) -> int | None:
 def cusum_run_length(*, reference: float, limit: float, shift: float = 0.0) -> float:
     """Compute the average number of values until the upper CUSUM exceeds the limit (Page 1954; Goel and Wu 1971).
 
+    Source: Page (1954, doi:10.1093/biomet/41.1-2.100) and Goel and Wu (1971, doi:10.1080/00401706.1971.10488779).
+
     Args:
         reference: Reference of the CUSUM, in standard deviations [-].
         limit: Limit of the chart [-].
@@ -101,6 +103,8 @@ def ewma(deviation: Floats, *, weight: float) -> Floats:
 
 def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float:
     """Compute the average number of values until the two-sided EWMA leaves ±limit (Crowder 1987).
+
+    Source: Roberts (1959, doi:10.1080/00401706.1959.10489860) and Crowder (1987, doi:10.1080/00401706.1987.10488267).
 
     Args:
         weight: Weight of the newest deviation [-].

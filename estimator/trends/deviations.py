@@ -184,6 +184,8 @@ class Whitening:
 def deviations(baseline: Sequence[Point], now: Point) -> Deviations:
     """Compute the deviations of an identification from a baseline (method and sources in the module's docstring).
 
+    Source: Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49, with the tails of the module's docstring.
+
     Args:
         baseline: Points of the baseline.
         now: Point of the identification.
@@ -254,6 +256,8 @@ def element_of(name: str) -> str:
 def element_distance(white: Whitening, now: Point) -> ElementDistance:
     """Compute the distance of one element.
 
+    Source: Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49.
+
     Args:
         white: Measure of the element's coordinates and no others.
         now: A point that has these coordinates.
@@ -269,6 +273,8 @@ def chance_of_distance(squared: float, *, size: int, degrees_of_freedom: float) 
 
     Their sum has mean kν/(ν - 2) and the relative variance 2(ν - 1)/((ν - 4)k); so has F with k and m degrees of freedom, for
     the m and the scale used here. Exact for k = 1.
+
+    Source: own derivation: F with the first two moments matched, as stated above.
 
     Args:
         squared: Sum of squares [-].

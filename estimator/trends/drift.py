@@ -103,6 +103,8 @@ def drift(time: Floats, value: Floats) -> Drift:
 def serial_correction(residual: Floats) -> float:
     """Compute the factor on the variance of Kendall's S by serial correlation: n/n* of Hamed and Rao, Eq. 15.
 
+    Source: Hamed and Rao (doi:10.1016/S0022-1694(97)00125-X).
+
     Args:
         residual: Residuals (n,) whose ranks are correlated [any unit].
 

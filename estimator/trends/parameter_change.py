@@ -96,6 +96,8 @@ def element_changes(first: Values, second: Values) -> tuple[ElementChange, ...]:
 
     It is taken over the coordinates that both identifications have and that are not known exactly.
 
+    Source: Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49.
+
     Args:
         first: Values of the first identification.
         second: Values of the second one.

@@ -141,6 +141,8 @@ def distance_trends(
 ) -> tuple[TrendTest, ...]:
     """Test the trend of every element's distance, or of some, through the readings that determine all the newest one does.
 
+    Source: limits for estimated baselines, Jensen et al. (2006, doi:10.1080/00224065.2006.11918623).
+
     Args:
         baseline: Points of the baseline's runs.
         readings: Readings behind the baseline, in ascending order of time.
@@ -196,6 +198,8 @@ def time_to_change(drift: Drift, change: float, *, logarithmic: bool) -> TimeToL
 def step_limit(*, runs: int, degrees_of_freedom: float) -> float:
     """Solve for the limit of the one-sided CUSUM with RUN_LENGTH, for a baseline of some runs.
 
+    Source: limits for estimated baselines, Jensen et al. (2006, doi:10.1080/00224065.2006.11918623).
+
     Args:
         runs: Number of runs of the baseline.
         degrees_of_freedom: Degrees of freedom with which the scatter is known [-].
@@ -213,6 +217,8 @@ def step_limit(*, runs: int, degrees_of_freedom: float) -> float:
 @cache
 def creep_limit(*, runs: int, degrees_of_freedom: float) -> float:
     """Solve for the limit of the two-sided EWMA with RUN_LENGTH, for a baseline of some runs.
+
+    Source: limits for estimated baselines, Jensen et al. (2006, doi:10.1080/00224065.2006.11918623).
 
     Args:
         runs: Number of runs of the baseline.

@@ -228,6 +228,8 @@ def peaks_with_errors(
 ) -> tuple[tuple[UncertainPeak, ...], ...]:
     """Find the response peaks between two speeds at places of a train, with the standard errors of their factors.
 
+    Source: API RP 684, SP6.8.2, as public programs carry it (module's docstring).
+
     Args:
         model: The identified model.
         places: Places of the train, m of them.

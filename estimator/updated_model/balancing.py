@@ -168,6 +168,8 @@ def least_squares_within(matrix: Complexes, target: Complexes, limit: Floats) ->
 
     The shortest c is taken where several minimise it. Units are those of the arguments.
 
+    Source: standard result: least squares within bounds, by sequential quadratic programming.
+
     Args:
         matrix: A (n, Q) [-].
         target: b (n,) [-].

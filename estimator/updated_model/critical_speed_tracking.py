@@ -81,6 +81,8 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
 
     They are numbered in ascending order: where two have passed each other, each takes the other's number, and no trend jumps.
 
+    Source: modal assurance of Allemang and Brown, 1st IMAC, 1982, along a straight line of coefficients.
+
     Args:
         model: The updated model.
 

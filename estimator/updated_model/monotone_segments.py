@@ -33,6 +33,8 @@ class TurningCurve:
     def through(cls, place: Floats, height: Floats) -> "TurningCurve":
         """Lay the curve through points.
 
+        Source: standard result: cubic spline, cut where its slope is zero.
+
         Args:
             place: Places (S,), ascending [any unit].
             height: Heights (S,) [any unit].
@@ -47,6 +49,8 @@ class TurningCurve:
 
     def first_below(self, level: float, *, start: float, highest: float, upwards: bool) -> float | None:
         """Find the first place beyond a start at which the curve is down to a level.
+
+        Source: standard result: root of a monotone curve between two cuts, by Brent's method.
 
         Args:
             level: The level [unit of the heights].

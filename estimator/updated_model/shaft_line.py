@@ -58,6 +58,8 @@ def modelled_lines(model: UpdatedModel, *, speed: Floats) -> JournalLines | None
 def measured_lines(model: UpdatedModel, measurement: Measurement) -> Floats | None:
     """Return where gaps have the journals, each probe's zero set by the model (module's docstring).
 
+    Source: Bently and Hatch, Fundamentals of Rotating Machinery Diagnostics, 2002, ch. 6.
+
     Args:
         model: The updated model.
         measurement: S samples of one run with gaps.

@@ -7,6 +7,7 @@ all that these have in common (JCGM 100:2008, 5.2).
 import numpy as np
 
 from estimator.machine.film_speeds import reported_rpm
+from estimator.machine.parameter_description import describe
 from estimator.rotor.parameter_names import STATIC_LOAD_UNITS
 from estimator.statics.coupling_balance import coupling_balances
 from estimator.statics.journal_states import journal_states
@@ -53,6 +54,6 @@ def static_coupling_loads(model: UpdatedModel) -> tuple[FilmResult, ...]:
             for place, plane in enumerate(PLANES):
                 results[f"coupling.{one.coupling}.static_{what}_{plane}"] = float(value[place]), by_own[place]
     return tuple(
-        FilmResult(name, STATIC_LOAD_UNITS[name.rpartition(".")[2]], value, float(standard_errors(by_own, covariance)))
+        FilmResult(name, STATIC_LOAD_UNITS[describe(name).quantity], value, float(standard_errors(by_own, covariance)))
         for name, (value, by_own) in results.items()
     )

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
+from estimator.machine.parameter_description import describe
 from service.monitoring.rules.finding_catalogue import finding_at, speaks_against_balancing
 from service.wording.language import ENGLISH, Language
 from storage.alerts import alerts
@@ -26,7 +27,9 @@ def require_nothing_else(session: Session, machine_id: str, language: Language =
 
 
 def _words(other: Sequence[ListedAlert], language: Language) -> str:
-    names = dict.fromkeys(alert.element.rpartition(".")[2] or language.translate("balance.what_is_wrong") for alert in other)
+    elements = [describe(alert.element) for alert in other]
+    wrong = language.translate("balance.what_is_wrong")
+    names = dict.fromkeys(one.element_id or one.element_kind or wrong for one in elements)
     told = "; ".join(_alert_text(alert, language) for alert in other[:3])
     more = language.translate("balance.more", count=len(other) - 3) if len(other) > 3 else ""
     return language.translate("balance.first", names=", ".join(names), alerts=told + more)

@@ -63,9 +63,9 @@ def balancing_run(
     return BalancingRun(f"run {run_id}", replace(measurement, added=None).with_trial_weight(added_unbalance(machine, weights)))
 
 
-def read_weights(said: Sequence[Mapping[str, float | str]]) -> list[StoredWeight]:
+def read_weights(weights: Sequence[Mapping[str, float | str]]) -> list[StoredWeight]:
     """Return weights as a balancing's steps hold them."""
-    return [StoredWeight(str(one["disc"]), float(one["g_mm"]), float(one["angle_deg"])) for one in said]
+    return [StoredWeight(str(one["disc"]), float(one["g_mm"]), float(one["angle_deg"])) for one in weights]
 
 
 def added_unbalance(machine: Machine, weights: Sequence[StoredWeight]) -> Complexes:

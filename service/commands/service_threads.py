@@ -15,7 +15,7 @@ from service.delivery.signing_secrets import SigningSecrets
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions, SubmissionSink
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.maintenance.backup_check import BackupCheck
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.store_check import StoreCheck
@@ -70,8 +70,8 @@ class ServiceThreads:
         self.submissions = Submissions()
         self.leasing = LeaseKeeper(database, settings.role)
         collector = Collector(late_s=settings.late_s)
-        journal = Journal(database, collector, self.leasing)
-        self._ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=self.submissions, share=self.leasing)
+        writer = SampleWriter(database, collector, self.leasing)
+        self._ingest = Ingest(session, writer, silence_s=settings.silence_s, submissions=self.submissions, share=self.leasing)
         self._closing = Closing(database, collector, self.leasing)
         self._scheduler = JobScheduler(database, settings, self.leasing)
         self._broker_gauges: list[Callable[[], Mapping[str, float]]] = []

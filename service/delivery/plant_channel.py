@@ -1,4 +1,4 @@
-"""Channels to networks of the plant itself, which have no target: an event is published under a name that follows from it."""
+"""Channels to the plant's own networks. They need no target: an event is published under a name made from it."""
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass

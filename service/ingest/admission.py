@@ -10,8 +10,8 @@ from service.ingest.clock_doubt import OwnClock
 from service.ingest.inbox import PublishedMessage
 from service.journal.batch import ArrivedBatch
 from service.journal.http_queue import UNFORESEEN, NotStoring, Submission
-from service.journal.journal import Journal
 from service.journal.refusals import Refusals
+from service.journal.sample_writer import SampleWriter
 from service.resilience.internal_errors import see_log
 from storage.clock import now
 from storage.database.errors import is_database_wide
@@ -26,8 +26,8 @@ class Admission:
     own_clock: decides which batches must wait until the clock is right; these are neither stored nor rejected.
     """
 
-    def __init__(self, journal: Journal, refusals: Refusals, own_clock: OwnClock) -> None:
-        self._journal = journal
+    def __init__(self, writer: SampleWriter, refusals: Refusals, own_clock: OwnClock) -> None:
+        self._writer = writer
         self._refusals = refusals
         self._own_clock = own_clock
 
@@ -76,7 +76,7 @@ class Admission:
             if self._withholds(batch):
                 raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
             if published is None:  # its numbers must stay free for the corrected batch
-                self._journal.require_convertible(arrived)
+                self._writer.require_convertible(arrived)
         except Rejected as rejected:
             self.refuse(message, machine or None, rejected)
             raise
@@ -93,7 +93,7 @@ class Admission:
     def _withholds(self, batch: SampleBatch) -> bool:
         if not self._own_clock.withholds(batch):
             return False
-        self._journal.note_activity(batch.machine)
+        self._writer.note_activity(batch.machine)
         return True
 
     def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:
@@ -115,7 +115,7 @@ class Admission:
         self._refusals.reject(rejection)
 
     def _require_machine(self, key: Key) -> None:
-        plant = self._journal.plant_of(key.machine)
+        plant = self._writer.plant_of(key.machine)
         if plant is None:
             raise Rejected("unknown_machine", f"no machine '{key.machine}' is known; create it from its document first")
         if plant != key.plant:

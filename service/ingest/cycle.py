@@ -18,7 +18,7 @@ from service.ingest.intake import Intake
 from service.ingest.periodic_checks import IngestChecks
 from service.ingest.received_queryable import ReceivedQueryable
 from service.journal.http_queue import NotStoring, Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
@@ -43,34 +43,34 @@ class IngestCycle:
     """The parts of the ingest and the order of their turns. For the ingest thread only, except its figures."""
 
     def __init__(
-        self, session: zenoh.Session, journal: Journal, submissions: Submissions, share: Share, *, silence_s: float
+        self, session: zenoh.Session, writer: SampleWriter, submissions: Submissions, share: Share, *, silence_s: float
     ) -> None:
         self._session = session
-        self._journal = journal
+        self._writer = writer
         self._submissions = submissions
         self._share = share
         self._changes = share.changes
-        self.own_clock = OwnClock(journal.newest_receipt)
+        self.own_clock = OwnClock(writer.newest_receipt)
         self.backoff = SourceBackoff()
-        self.write_batch = WriteBatch(journal, self.backoff)
-        admission = Admission(journal, self.write_batch.refusals, self.own_clock)
+        self.write_batch = WriteBatch(writer, self.backoff)
+        admission = Admission(writer, self.write_batch.refusals, self.own_clock)
         self.recovery = GapRecovery(
-            session, sink=self.write_batch, records=journal, reader=admission, share=share, backoff=self.backoff
+            session, sink=self.write_batch, records=writer, reader=admission, share=share, backoff=self.backoff
         )
         self.inbox = Inbox()
         self._intake = Intake(
             self.inbox,
             submissions,
-            journal,
+            writer,
             admission=admission,
             recovery=self.recovery,
             write_batch=self.write_batch,
             backoff=self.backoff,
             share=share,
         )
-        self._received = ReceivedQueryable(session, journal, share)
+        self._received = ReceivedQueryable(session, writer, share)
         self._took = -math.inf
-        self.checks = IngestChecks(journal, self.recovery, self.own_clock, silence_s=silence_s)
+        self.checks = IngestChecks(writer, self.recovery, self.own_clock, silence_s=silence_s)
 
     def open(self) -> None:
         """Declare the subscriptions."""
@@ -101,7 +101,7 @@ class IngestCycle:
             self.inbox.close()
             self.recovery.cease()
         hurried = stopping or len(self.inbox) >= BACKLOG or self.recovery.is_querying
-        self._journal.pacing.begin(hurried=hurried)
+        self._writer.pacing.begin(hurried=hurried)
         # Beside what was left, the few messages that have come since would each cost a transaction: they wait for the others.
         waits = left and not hurried and not stopping and time.monotonic() < self._took + CYCLE_S
         count = 0 if waits else self._take()
@@ -139,7 +139,7 @@ class IngestCycle:
         """Drop batches that another replica has to store now."""
         logger.warning("machines were taken over by another replica: %s", error)
         self.write_batch.drop(error.names)
-        self._journal.forget()
+        self._writer.forget()
 
     def _follow_share(self) -> None:
         """Forget the state of the sources when the share of this process has changed."""
@@ -147,7 +147,7 @@ class IngestCycle:
             return
         self.write_batch.store_all()
         self.write_batch.forget_progress()
-        self._journal.forget()
+        self._writer.forget()
         self.own_clock.forget()
         changes = self._share.changes
         self.recovery.review()

@@ -7,7 +7,7 @@ import zenoh
 
 from service.ingest.cycle import CYCLE_S, IngestCycle
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.replication.work_share import Share, WholeShare
 from service.resilience.supervised_thread import UNEXPECTED, SupervisedThread
 from storage.database.errors import LeaseLost, error_message, is_database_wide
@@ -29,7 +29,7 @@ class Ingest(SupervisedThread):
     def __init__(
         self,
         session: zenoh.Session,
-        journal: Journal,
+        writer: SampleWriter,
         *,
         silence_s: float,
         submissions: Submissions | None = None,
@@ -37,7 +37,7 @@ class Ingest(SupervisedThread):
     ) -> None:
         super().__init__("ingest", failure="samples cannot be stored", retry_s=RETRY_S)
         self._submissions = Submissions() if submissions is None else submissions
-        self._cycle = IngestCycle(session, journal, self._submissions, share or WholeShare(), silence_s=silence_s)
+        self._cycle = IngestCycle(session, writer, self._submissions, share or WholeShare(), silence_s=silence_s)
         self._longest_cycle = RecentMaximum()
         self._errors = 0  # that nobody foresaw, in a row
         self._began = time.monotonic()  # the cycle

@@ -6,7 +6,7 @@ from formats.wire import Key, Rejected
 from service.ingest.admission import Admission
 from service.ingest.inbox import Inbox, PublishedMessage
 from service.journal.http_queue import UNFORESEEN, NotStoring, Submission, Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
@@ -26,7 +26,7 @@ class Intake:
         self,
         inbox: Inbox,
         submissions: Submissions,
-        journal: Journal,
+        writer: SampleWriter,
         *,
         admission: Admission,
         recovery: GapRecovery,
@@ -36,7 +36,7 @@ class Intake:
     ) -> None:
         self._inbox = inbox
         self._submissions = submissions
-        self._pacing = journal.pacing
+        self._pacing = writer.pacing
         self._admission = admission
         self._recovery = recovery
         self._write_batch = write_batch

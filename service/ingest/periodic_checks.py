@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 
 from service.ingest.clock_doubt import OwnClock
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.recovery.gap_recovery import GapRecovery
 from service.resilience.supervised_thread import UNEXPECTED
 from storage.database.errors import LeaseLost, error_message, is_database_wide
@@ -21,8 +21,8 @@ DOUBTED_CHECK_S = 30.0
 class IngestChecks:
     """The periodic checks; samples are stored even when they fail."""
 
-    def __init__(self, journal: Journal, recovery: GapRecovery, own_clock: OwnClock, *, silence_s: float) -> None:
-        self._journal = journal
+    def __init__(self, writer: SampleWriter, recovery: GapRecovery, own_clock: OwnClock, *, silence_s: float) -> None:
+        self._writer = writer
         self._recovery = recovery
         self._own_clock = own_clock
         self._silence_s = silence_s
@@ -42,7 +42,7 @@ class IngestChecks:
         self._next = time.monotonic() + (TAIL_CHECK_S if self._own_clock.doubt is None else DOUBTED_CHECK_S)
         unasked = _tried("logs cannot be asked", lambda: self._recovery.check_tails(quiet_s=TAIL_CHECK_S))
         alive = {key.machine for key in self._recovery.live}
-        unended = _tried("runs cannot be ended", lambda: self._journal.end_silent(silence_s=self._silence_s, alive=alive))
+        unended = _tried("runs cannot be ended", lambda: self._writer.end_silent(silence_s=self._silence_s, alive=alive))
         self.trouble = unended or unasked
 
 

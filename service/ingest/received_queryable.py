@@ -6,7 +6,7 @@ import msgspec
 import zenoh
 
 from formats.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.replication.work_share import Share
 from storage.database.errors import is_database_wide
 
@@ -19,9 +19,9 @@ MAXIMUM_WAITING = 1_000
 class ReceivedQueryable:
     """The queryable on `…/received`; the ingest thread replies when it has time."""
 
-    def __init__(self, session: zenoh.Session, journal: Journal, share: Share) -> None:
+    def __init__(self, session: zenoh.Session, writer: SampleWriter, share: Share) -> None:
         self._session = session
-        self._journal = journal
+        self._writer = writer
         self._share = share
 
     def open(self) -> None:
@@ -51,6 +51,6 @@ class ReceivedQueryable:
                 logger.exception("%s: the sequence numbers stored of its sources cannot be sent", key.machine)
 
     def _reply(self, query: zenoh.Query, key: Key) -> None:
-        if self._share.is_owner(key.machine) and self._journal.plant_of(key.machine) == key.plant:
-            answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
+        if self._share.is_owner(key.machine) and self._writer.plant_of(key.machine) == key.plant:
+            answer = Received(plant=key.plant, machine=key.machine, sources=self._writer.received(key.machine))
             query.reply(key.received, msgspec.json.encode(answer), encoding=JSON)

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from service.journal import rejections
 from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
 
@@ -19,8 +19,8 @@ logger = logging.getLogger(__name__)
 class Refusals:
     """Rejections until they are stored, and refused promises until they are answered. For the ingest thread only."""
 
-    def __init__(self, journal: Journal) -> None:
-        self._journal = journal
+    def __init__(self, writer: SampleWriter) -> None:
+        self._writer = writer
         self._promises: list[tuple[Future[StoreOutcome], Exception]] = []
         self.rejections: list[Rejection] = []
 
@@ -65,7 +65,7 @@ class Refusals:
         while self.rejections:
             one = self.rejections[0]
             try:
-                self._journal.store([], [one])
+                self._writer.store([], [one])
             except Exception as error:
                 if is_database_wide(error):
                     raise

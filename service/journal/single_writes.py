@@ -13,8 +13,8 @@ from sqlalchemy.exc import IntegrityError
 
 from service.journal.batch import HeldBatch, StoreOutcome
 from service.journal.http_queue import UNFORESEEN, NotStoring
-from service.journal.journal import Journal
 from service.journal.refusals import Refusals
+from service.journal.sample_writer import SampleWriter
 from service.journal.source_backoff import SourceBackoff
 from storage.database.errors import is_database_wide
 from storage.encoding.source_key import SourceKey
@@ -39,8 +39,10 @@ class SingleWrites:
     end of the pass. acknowledgement: called with each batch that is stored.
     """
 
-    def __init__(self, journal: Journal, refusals: Refusals, backoff: SourceBackoff, acknowledgement: Acknowledgement) -> None:
-        self._journal = journal
+    def __init__(
+        self, writer: SampleWriter, refusals: Refusals, backoff: SourceBackoff, acknowledgement: Acknowledgement
+    ) -> None:
+        self._writer = writer
         self._refusals = refusals
         self._backoff = backoff
         self._acknowledgement = acknowledgement
@@ -94,9 +96,9 @@ class SingleWrites:
         """
         try:
             try:
-                (outcome,) = self._journal.store([one.arrived], [])
+                (outcome,) = self._writer.store([one.arrived], [])
             except IntegrityError:
-                (outcome,) = self._journal.store([one.arrived], [])
+                (outcome,) = self._writer.store([one.arrived], [])
         except Exception as error:
             if is_database_wide(error):
                 raise

@@ -10,8 +10,8 @@ from concurrent.futures import Future
 
 from service.journal.batch import LARGEST_GAP, ArrivedBatch, HeldBatch, StoreOutcome
 from service.journal.http_queue import UNFORESEEN, NotStoring
-from service.journal.journal import Journal
 from service.journal.refusals import Refusals
+from service.journal.sample_writer import SampleWriter
 from service.journal.single_writes import SingleWrites
 from service.journal.source_backoff import SourceBackoff
 from service.replication.work_share import lease_of
@@ -33,14 +33,14 @@ FEWEST_AT_ONCE, MAXIMUM_AT_ONCE = 20, 1000
 class WriteBatch:
     """The batches to be stored, and the next number of each source including them. For the ingest thread only."""
 
-    def __init__(self, journal: Journal, backoff: SourceBackoff) -> None:
-        self._journal = journal
+    def __init__(self, writer: SampleWriter, backoff: SourceBackoff) -> None:
+        self._writer = writer
         self._backoff = backoff
         self._held: list[HeldBatch] = []
         self._at_once = FEWEST_AT_ONCE
         self._expected: BoundedDict[SourceKey, int] = BoundedDict()
-        self.refusals = Refusals(journal)
-        self._single_writes = SingleWrites(journal, self.refusals, backoff, self)
+        self.refusals = Refusals(writer)
+        self._single_writes = SingleWrites(writer, self.refusals, backoff, self)
         backoff.call_on_pause(self._forget_progress_of)
 
     def __len__(self) -> int:
@@ -55,7 +55,7 @@ class WriteBatch:
     def next_sequence(self, source: SourceKey) -> int:
         """Return the number of the next sample of a source, including the batches held here."""
         if source not in self._expected:
-            self._expected[source] = self._journal.next_sequence(source)
+            self._expected[source] = self._writer.next_sequence(source)
         return self._expected[source]
 
     def take(self, arrived: ArrivedBatch, promise: Future[StoreOutcome] | None = None) -> None:
@@ -68,7 +68,7 @@ class WriteBatch:
     def store(self) -> None:
         """Store held batches in one short transaction; if that fails, one by one for a limited time.
 
-        The rest stays held. Raises errors that affect all batches, as `Journal.store` does; then nothing is lost.
+        The rest stays held. Raises errors that affect all batches, as `SampleWriter.store` does; then nothing is lost.
         """
         if len(self._single_writes):
             self._store_one_by_one()
@@ -124,7 +124,7 @@ class WriteBatch:
     def _store_together(self) -> None:
         if self._held or self.refusals.rejections:
             arrived = [one.arrived for one in self._held[: self._at_once]]
-            outcomes = self._journal.store(arrived, self.refusals.rejections, within_s=LONGEST_TRANSACTION_S)
+            outcomes = self._writer.store(arrived, self.refusals.rejections, within_s=LONGEST_TRANSACTION_S)
             for one, outcome in zip(self._held, outcomes, strict=False):
                 self.acknowledge(one, outcome)
             del self._held[: len(outcomes)]

@@ -1,6 +1,6 @@
 """Applying an assessment: the diagnosis that is stored, and the alerts that are opened, updated or cleared.
 
-`conclusions` is a pure function of the context, the assessment and the machine's present state; `apply` reads and writes.
+`conclusions` is a pure function of the context, the assessment and the machine's present state; `apply` only writes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,6 +19,7 @@ from service.monitoring.assessment.context import (
     DiagnosedCause,
     MachineDiagnosis,
     RateAssessment,
+    StoredNumbers,
 )
 from service.monitoring.context_loading import MonitoringState, diagnosed_kind
 from service.monitoring.finding_text import Statement
@@ -27,7 +28,7 @@ from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, finding_rule
 from service.monitoring.rules.limits import Limits
 from storage.clock import from_datetime, to_datetime
-from storage.findings import derived, diagnoses, identifications
+from storage.findings import diagnoses
 from storage.tables.alerting import AlertRow
 from storage.tables.findings import IdentificationRow
 
@@ -64,9 +65,7 @@ def apply(
 ) -> None:
     """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: the machine's present
     state."""
-    forces = _forces(session, stored, assessment.diagnosis)
-    unknown = tuple(one.parameter for one in identifications.estimates(session, stored.id) if one.value is None)
-    found = conclusions(context, assessment, state, StoredNumbers(forces, unknown))
+    found = conclusions(context, assessment, state)
     if assessment.diagnosis is not None and found.statements is not None:
         diagnoses.add(
             session,
@@ -84,20 +83,7 @@ def apply(
             transitions.clear_alert(session, change)
 
 
-@dataclass(frozen=True)
-class StoredNumbers:
-    """Numbers of an identification that are stored beside its fit.
-
-    forces: force by element [N], for those whose finding has one. not_estimable: parameters that it does not determine.
-    """
-
-    forces: Mapping[str, float | None]
-    not_estimable: tuple[str, ...]
-
-
-def conclusions(
-    context: AssessmentContext, assessment: Assessment, state: MonitoringState, numbers: StoredNumbers
-) -> Conclusions:
+def conclusions(context: AssessmentContext, assessment: Assessment, state: MonitoringState) -> Conclusions:
     """Return the consequences of an assessment.
 
     Alerts show the machine's present state: a late run is diagnosed, and affects alerts with the next run.
@@ -108,16 +94,10 @@ def conclusions(
     if diagnosis is None:
         return Conclusions(None, changes)
     opened = {(alert.rule, alert.element): alert for alert in state.open_alerts}
-    statements = [_statement(one, diagnosis, numbers, opened) for one in diagnosis.causes]
+    statements = [_statement(one, diagnosis, context.numbers, opened) for one in diagnosis.causes]
     if state.current:
         changes += _cause_changes(context.limits, diagnosis, statements, state, opened)
     return Conclusions(statements, changes)
-
-
-def _forces(session: Session, stored: IdentificationRow, diagnosis: MachineDiagnosis | None) -> Mapping[str, float | None]:
-    causes = [] if diagnosis is None else [one.cause for one in diagnosis.causes]
-    named = {one.element: force for one in causes if (force := finding_rule(one.kind).force) is not None}
-    return {element: derived.value(session, stored.id, f"{element}.{force}") for element, force in named.items()}
 
 
 _OpenAlerts = Mapping[tuple[str, str], AlertRow]
@@ -127,13 +107,14 @@ _OpenAlerts = Mapping[tuple[str, str], AlertRow]
 def _statement(found: DiagnosedCause, diagnosis: MachineDiagnosis, numbers: StoredNumbers, opened: _OpenAlerts) -> Statement:
     cause = found.cause
     since, first = _first_run_of(found, opened)
+    force = finding_rule(cause.kind).force
     return Statement(
         cause=cause,
         runners_up=found.runners_up,
         size=found.size,
         since=since,
         first_identification=first,
-        force=None if finding_rule(cause.kind).force is None else numbers.forces[cause.element],
+        force=None if force is None else numbers.forces.get(f"{cause.element}.{force}"),
         form=found.form,
         progress=found.progress,
         moved=diagnosis.moved,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.trends.parameter_vector import Point
 from service.alerts.lifecycle import Severity
 from service.monitoring.assessment.context import (
@@ -17,11 +18,13 @@ from service.monitoring.assessment.context import (
     ComparedRuns,
     ComparedValue,
     MeanConditions,
+    StoredNumbers,
 )
 from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
 from service.monitoring.limits_in_force import limits_of
 from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, is_finding
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from storage.alerts import alerts
 from storage.findings import derived, identifications, jobs
 from storage.machines import limits, machines
@@ -94,6 +97,7 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
         compared=_compared_runs(session, stored, baseline, compared_ids),
         loads=tuple(_coupled_loads(session, machine, stored, compared_ids)),
         second_orders=tuple(_second_orders(session, machine, stored, compared_ids)),
+        numbers=_stored_numbers(session, stored),
     )
 
 
@@ -175,6 +179,16 @@ def _second_orders(
     """Yield the amplitudes of the 2× that an identification and all those of its baseline have."""
     elements = {f"probe.{channel}.{SECOND_ORDER}": f"probe.{channel}" for channel in machine.channels}
     yield from _compared_values(session, elements, stored, ids)
+
+
+def _stored_numbers(session: Session, stored: IdentificationRow) -> StoredNumbers:
+    """Read the forces of an identification that findings have, and which parameters it does not determine."""
+    forces = {one.force for one in FINDING_RULES if one.force is not None}
+    values = derived.of_identification(session, stored.id)
+    return StoredNumbers(
+        forces={row.name: row.value for row in values if describe(row.name).quantity in forces},
+        not_estimable=tuple(one.parameter for one in identifications.estimates(session, stored.id) if one.value is None),
+    )
 
 
 def _compared_values(

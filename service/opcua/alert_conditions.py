@@ -60,10 +60,10 @@ class AlertConditions:
             found = self._conditions.get(ua.NodeId(stem, node_id.NamespaceIndex))
         return found
 
-    async def show(self, alert: AlertReading, *, tell: bool = True) -> None:
+    async def show(self, alert: AlertReading, *, report: bool = True) -> None:
         """Show an alert, and send its event to subscribers. Raises NodeRefused.
 
-        tell: False where nothing has happened to it.
+        report: False where nothing has happened to it.
         """
         if not self._machines.shows(alert.machine):
             raise NodeRefused(f"its machine '{alert.machine}' is not shown")
@@ -76,7 +76,7 @@ class AlertConditions:
             place = self._place(condition, path)
             if path != "NodeId" and self._tree.holds(place):
                 await self._tree.write(place, ua.DataValue(value, SourceTimestamp=to_datetime(alert.at)))
-        if tell:
+        if report:
             for subscription in list(self._server.subscription_service.subscriptions.values()):
                 await self._send_event(subscription, alert, fields)
 

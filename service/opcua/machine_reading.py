@@ -33,7 +33,7 @@ FOLDERS = (PARAMETERS, ALIGNMENT, LOADS, DERIVED)
 """Folders of a machine's values."""
 LOAD_NAMES = (
     frozenset(STATIC_LOAD_UNITS)
-    | {name for name in JOURNAL_UNITS if name.startswith("load_")}
+    | {name for name, unit in JOURNAL_UNITS.items() if unit == "N"}
     | {
         "misalignment_force",
         "misalignment_moment",
@@ -149,10 +149,10 @@ def _of_derived(row: IdentificationRow, quantities: Sequence[DerivedRow]) -> Ite
 
 def folder_of(name: str) -> str:
     """Return the folder of a derived quantity, such as Alignment of `coupling.C1.offset_vertical`."""
-    last = name.rpartition(".")[2]
-    if last in ALIGNMENT_UNITS:
+    quantity = describe(name).quantity
+    if quantity in ALIGNMENT_UNITS:
         return ALIGNMENT
-    return LOADS if last in LOAD_NAMES else DERIVED
+    return LOADS if quantity in LOAD_NAMES else DERIVED
 
 
 def _quality(row: IdentificationRow, value: float | None) -> str:

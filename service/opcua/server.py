@@ -190,7 +190,7 @@ class PlantServer:
         standing = await _in_thread(self._reader.open_alerts)
         await self._show(await _in_thread(self._reader.read_changes))
         for alert in standing:
-            await self._show_alert(alert, tell=False)
+            await self._show_alert(alert, report=False)
         await self._server.start()
 
     async def update(self) -> None:
@@ -230,12 +230,12 @@ class PlantServer:
         for alert in [*(self._waiting.values() if news.machines else ()), *news.alerts]:
             await self._show_alert(alert)
 
-    async def _show_alert(self, alert: AlertReading, *, tell: bool = True) -> None:
+    async def _show_alert(self, alert: AlertReading, *, report: bool = True) -> None:
         """Show an alert; one that cannot be shown is tried again when machines have changed."""
         assert self._conditions is not None
         name = alert_name(alert.id)
         self._waiting.pop(alert.id, None)
-        if not await self._unshown.show(name, self._conditions.show(alert, tell=tell)):
+        if not await self._unshown.show(name, self._conditions.show(alert, report=report)):
             self._waiting[alert.id] = alert
         elif alert.is_open and not alert.has_text:
             self._unshown.note(f"the text of {name}")

@@ -144,7 +144,7 @@ class TrendHistory:
     async def _of_node(
         self, asked: ua.HistoryReadValueId, details: ua.HistoryReadDetails, function: ua.NodeId | None, nodes: int
     ) -> ua.HistoryReadResult:
-        """Read one of so many nodes."""
+        """Read the history of one node. nodes: number of nodes in the request, which share the largest answer."""
         path = str(asked.NodeId.Identifier).split(SEPARATOR)
         if len(path) not in (4, 5) or path[2] not in FOLDERS or path[4:] not in ([], [LOWER], [UPPER]):
             return _failed(ua.StatusCodes.BadHistoryOperationUnsupported)

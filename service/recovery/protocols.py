@@ -26,7 +26,7 @@ class BatchSink(Protocol):
 
 
 class GapRecords(Protocol):
-    """Record of the numbers of a source that were counted as lost: the journal."""
+    """Record of the numbers of a source that were counted as lost: the sample writer."""
 
     def sequence_gaps(self, source: SourceKey) -> Sequence[SequenceGap]:
         """Return the gaps in a source's numbers, ascending. Raises the database's errors."""

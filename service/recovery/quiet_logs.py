@@ -47,7 +47,7 @@ class QuietLogs:
         return len(self._discoveries)
 
     def add(self, key: Key, source: SourceKey | None = None) -> None:
-        """Queue a source's log for a query; None: one of the machine's that is not known yet."""
+        """Queue a source's log for a query. source: None for the machine's logs whose sources are not known yet."""
         self._to_ask.setdefault((key, source))
 
     def collect(self) -> None:

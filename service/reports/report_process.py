@@ -48,7 +48,7 @@ class ReportProcess:
             raise NotPrinted(f"{error}: ask again") from error
 
     def close(self) -> None:
-        """Kill the process and give up what it prints."""
+        """Kill the process and abandon its report."""
         with self._lock:
             if self._processes is not None:
                 self._processes.shutdown()

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from sqlalchemy.orm import Session
 
+from estimator.machine.parameter_description import describe
 from service.monitoring.trend_bands import baseline_bands
 from service.reports.contents import ReportedTrend
 from service.reports.period import ReportPeriod
@@ -33,8 +34,8 @@ def reported_names(session: Session, newest: IdentificationRow, alerted: Sequenc
     """
     known = [one.name for one in derived.of_identification(session, newest.id)]
     known += [one.parameter for one in identifications.estimates(session, newest.id)]
-    of_alerts = [name for element in alerted for name in known if name.startswith(f"{element}.")]
-    of_couplings = [name for name in known if name.startswith("coupling.")]
+    of_alerts = [name for element in alerted for name in known if describe(name).element == element]
+    of_couplings = [name for name in known if describe(name).element_kind == "coupling"]
     return tuple(dict.fromkeys([*of_alerts, *of_couplings, *known]))[:MOST_TRENDS]
 
 

@@ -56,7 +56,7 @@ class CollectionState:
 
     @property
     def is_of_the_future(self) -> bool:
-        """Return whether the newest sample lies ahead of the clock, which was itself ahead when it came."""
+        """Return whether the newest sample's time lies in the future: the clock was fast when it arrived."""
         return is_ahead(self.seen)
 
     @property

@@ -35,8 +35,8 @@ class AuditWatch(SupervisedThread):
         """Return figures for a monitoring system, by the name of the metric."""
         return {"rundown_audit_trail_holds": float(not self.warnings)}
 
-    def check(self, *, tell: bool = False) -> None:
-        """Compare the trail with the recorded entry, and record the newest. tell: whether to log it at once."""
+    def check(self, *, report: bool = False) -> None:
+        """Compare the trail with the recorded entry, and record the newest. report: whether to log it at once."""
         with self._database.reading() as session:
             held, newest = audit.is_intact(session, self._last_entry), audit.head(session)
         if not held:
@@ -45,7 +45,7 @@ class AuditWatch(SupervisedThread):
             logger.error("%s; see rundown audit verify --noted %d:%s", words, number, digest)
             self.warnings = [*self.warnings, words]
         self._last_entry = newest
-        if tell or not held or self._logged_at is None or self._clock() - self._logged_at >= A_DAY_S:
+        if report or not held or self._logged_at is None or self._clock() - self._logged_at >= A_DAY_S:
             logger.info("audit trail: the newest entry is %d:%s", *newest)
             self._logged_at = self._clock()
 
@@ -56,4 +56,4 @@ class AuditWatch(SupervisedThread):
 
     def finish(self) -> None:
         """Log the newest entry, to show entries cut off while the service does not run."""
-        self.check(tell=True)
+        self.check(report=True)

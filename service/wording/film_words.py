@@ -119,7 +119,7 @@ def _undetermined(q: Numbers, language: Language) -> Iterator[str]:
 
 
 def _loads(q: Numbers, language: Language) -> Iterator[str]:
-    loads = {describe(name).element_id: value for name, value in q.items() if name.endswith(".load_per_cent")}
+    loads = {describe(name).element_id: value for name, value in q.items() if describe(name).quantity == "load_per_cent"}
     parts = [
         language.translate(
             f"load.{'' if place == 0 else 'next_'}{'more' if value > 0 else 'less'}", bearing=bearing, change=abs(value)

@@ -81,10 +81,10 @@ GERMAN = Language("de")
 LANGUAGES = tuple(Language(code) for code in SENTENCES)
 
 
-def require_every_language(what: str, said: Mapping[Locale, object]) -> None:
+def require_every_language(what: str, texts: Mapping[Locale, object]) -> None:
     """Raise ValueError if a text is missing in a language, or is given in an unknown language."""
-    missing = [code for code in SENTENCES if not said.get(code)]
-    unknown = sorted(set(said) - set(SENTENCES))
+    missing = [code for code in SENTENCES if not texts.get(code)]
+    unknown = sorted(set(texts) - set(SENTENCES))
     if missing:
         raise ValueError(f"{what} is missing in: {', '.join(missing)}")
     if unknown:

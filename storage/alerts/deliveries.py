@@ -70,7 +70,7 @@ def subscribe(
 
 
 def send_reports(row: SubscriptionRow, reports: str | None, *, moment: int) -> None:
-    """Have a subscription get reports from a time [ns] on, as often as said; None: no more."""
+    """Set how often a subscription gets reports, from `moment` [ns] on. reports: None for no more."""
     row.reports, row.reported_until = reports, None if reports is None else moment
 
 

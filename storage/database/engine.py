@@ -332,7 +332,7 @@ def _engine(url: str | URL) -> Engine:
 
 
 def _stored_json(text: str | bytes) -> Any:
-    """Return the value of stored JSON. Raises DatabaseError, as the database does, where it is not what was written."""
+    """Return the value of stored JSON. Raises DatabaseError, as of a damaged file, where it cannot be decoded."""
     try:
         return msgspec.json.decode(text)  # in a fifth of the time
     except (ValueError, RecursionError, msgspec.DecodeError):

@@ -47,7 +47,7 @@ class WriteAheadLog:
         self._further = 0
 
     def is_whole(self, *, further: int = 0) -> bool:
-        """Return whether the frames looked at are there: the first, the last, and the one that was last before.
+        """Return whether the first, the last and the formerly last frame are there and undamaged.
 
         further: number of frames looked at besides, with their checksums, in turn from one look to the next.
         """

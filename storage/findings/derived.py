@@ -47,9 +47,3 @@ def several(
     """Return those of these quantities that identifications have, by identification and name: in one query."""
     chosen = DerivedRow.identification_id.in_(identification_ids), DerivedRow.name.in_(names)
     return {(row.identification_id, row.name): row for row in session.scalars(select(DerivedRow).where(*chosen))}
-
-
-def value(session: Session, identification_id: int, name: str) -> float | None:
-    """Return the value of one derived quantity; None when there is none."""
-    row = one(session, identification_id, name)
-    return None if row is None else row.value

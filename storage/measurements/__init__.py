@@ -1,2 +1,2 @@
-"""Repositories of sample blocks, sources, runs and the quarantine. They import `tables` and `encoding`; the journal writes
-through them and workers read."""
+"""Repositories of sample blocks, sources, runs and the quarantine. They import `tables` and `encoding`; the sample
+writer writes through them and workers read."""

@@ -92,9 +92,9 @@ def head(session: Session) -> tuple[int, str]:
     return (0, BEGINNING) if row is None else (row.number, row.hash)
 
 
-def is_intact(session: Session, noted: tuple[int, str]) -> bool:
+def is_intact(session: Session, entry: tuple[int, str]) -> bool:
     """Return whether the entry with a number and hash recorded before still exists unchanged."""
-    number, digest = noted
+    number, digest = entry
     if number == 0:
         return True
     row = session.get(AuditRow, number)

@@ -21,7 +21,7 @@ class StageFigures:
 
     machines_now: int
     newest_sample: int | None
-    heard_machines: int
+    sending_machines: int
     rejected: int
     lost_ever: int
     runs: int
@@ -56,7 +56,7 @@ def figures(session: Session, *, since: int, overdue: int) -> StageFigures:
     return StageFigures(
         machines_now=one(select(func.count()).select_from(MachineRow)) or 0,
         newest_sample=one(select(func.max(SourceRow.last_time)).where(SourceRow.last_time <= until)) or None,
-        heard_machines=one(heard) or 0,
+        sending_machines=one(heard) or 0,
         rejected=count(QuarantineRow.received_at >= since),
         lost_ever=int(one(select(func.sum(SourceRow.lost))) or 0),
         runs=count(RunRow.time_first >= since),

@@ -27,7 +27,7 @@ from tests.service.security.two_plants import HIDDEN, fill
 
 
 @dataclass(frozen=True)
-class Place:
+class KeyedService:
     """A service with keys and an issuer."""
 
     url: str
@@ -37,7 +37,7 @@ class Place:
 
 
 @pytest.fixture(scope="module")
-def secured(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
+def secured(tmp_path_factory: pytest.TempPathFactory) -> Iterator[KeyedService]:
     """Over two plants; the key is an operator's of the first."""
     path = tmp_path_factory.mktemp("secured") / "rundown.db"
     database = Database(sqlite_url(path))
@@ -51,7 +51,7 @@ def secured(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
         tokens = Tokens(issuer=issuer.url, audience=AUDIENCE, keys=KeySet(open_id.keys_url), claims=Claims())
         app = application(database, dict, security=Security(tokens=tokens, open_id=open_id))
         with serving(app, port=port):
-            yield Place(base, database, key, issuer)
+            yield KeyedService(base, database, key, issuer)
     database.close()
 
 
@@ -72,7 +72,7 @@ def watched(context: BrowserContext) -> tuple[Page, list[str]]:
     return page, complaints
 
 
-def test_one_logs_in_with_a_key_changes_something_and_logs_out(context: BrowserContext, secured: Place) -> None:
+def test_one_logs_in_with_a_key_changes_something_and_logs_out(context: BrowserContext, secured: KeyedService) -> None:
     page, complaints = watched(context)
     page.goto(f"{secured.url}/#/alerts")
     expect(page).to_have_url(f"{secured.url}/login")
@@ -105,7 +105,7 @@ def test_one_logs_in_with_a_key_changes_something_and_logs_out(context: BrowserC
     assert complaints == []
 
 
-def test_one_logs_in_at_the_issuer(context: BrowserContext, secured: Place) -> None:
+def test_one_logs_in_at_the_issuer(context: BrowserContext, secured: KeyedService) -> None:
     page, complaints = watched(context)
     secured.issuer.claims = {"sub": "berta", "name": "Berta", "rundown_role": "viewer", "rundown_plants": "*"}
     page.goto(f"{secured.url}/login")
@@ -116,7 +116,7 @@ def test_one_logs_in_at_the_issuer(context: BrowserContext, secured: Place) -> N
     assert complaints == []
 
 
-def test_the_documentation_page_works_under_its_policy(context: BrowserContext, secured: Place, tmp_path: Path) -> None:
+def test_the_documentation_page_works_under_its_policy(context: BrowserContext, secured: KeyedService, tmp_path: Path) -> None:
     page, complaints = watched(context)
     page.goto(f"{secured.url}/api/v1/docs")
     expect(page.get_by_role("heading", name="Rundown")).to_be_visible()
@@ -125,7 +125,9 @@ def test_the_documentation_page_works_under_its_policy(context: BrowserContext, 
     assert complaints == []
 
 
-def test_a_viewer_who_presses_every_button_is_told_why_and_changes_nothing(context: BrowserContext, secured: Place) -> None:
+def test_a_viewer_who_presses_every_button_is_told_why_and_changes_nothing(
+    context: BrowserContext, secured: KeyedService
+) -> None:
     with secured.database.transaction() as session:
         _, key = api_keys.create(session, name="Vera", role=Role.VIEWER, plants=[KEY.plant], days=1)
     page, _ = watched(context)

@@ -49,7 +49,7 @@ def _with_run_out(runs: CopiedRuns, channel: str) -> dict[str, Any]:
     return runs.sent(COPY, phasor)
 
 
-class Asked:
+class PageRequests:
     """A request of the page, and its answer."""
 
     def __init__(self, seen: Seen) -> None:
@@ -75,7 +75,7 @@ def _runs(service: Service) -> tuple[int, int]:
 
 def test_points_are_shown_without_the_slow_roll_of_the_curve(seen: Seen, service: Service) -> None:
     run, reference = _runs(service)
-    asked = Asked(seen)
+    asked = PageRequests(seen)
     seen.open(f"machines/{COPY}/response?run={run}&reference={reference}")
     for panel in ("Bode, 1×", "Polar, 1×"):
         expect(seen.page.locator(".panel", has=seen.page.get_by_role("heading", name=panel, exact=True))).to_contain_text(
@@ -102,7 +102,7 @@ def test_points_are_shown_without_the_slow_roll_of_the_curve(seen: Seen, service
 
 def test_orbits_are_shown_without_it_too(seen: Seen, service: Service) -> None:
     run, reference = _runs(service)
-    asked = Asked(seen)
+    asked = PageRequests(seen)
     seen.open(f"machines/{COPY}/shapes?run={run}&reference={reference}")
     expect(seen.page.get_by_text("slow roll version 1 subtracted, but not at B1Y, B2X, ")).to_be_visible()
     expect(seen.page.locator(".orbits .faint").first).to_be_attached()

@@ -7,11 +7,11 @@ import pytest
 
 from tests.databases import PostgresqlDatabases
 from tests.distribution.layout import Layout
-from tests.postgresql import Server
+from tests.postgresql import PostgresServer
 
 
 @pytest.fixture
-def layout(tmp_path: Path, postgresql: Server) -> Iterator[Layout]:
+def layout(tmp_path: Path, postgresql: PostgresServer) -> Iterator[Layout]:
     """A router and an empty database without any table; the test starts the processes."""
     databases = PostgresqlDatabases(postgresql)
     url = databases.new(tmp_path / "shared.db")

@@ -19,7 +19,7 @@ from tests.end_to_end.processes import rundown, until
 from tests.faults.measured import measured
 from tests.plant import KEY
 from tests.ports import free_port
-from tests.postgresql import Server
+from tests.postgresql import PostgresServer
 
 TAKEN_OVER_WITHIN_S = 30.0
 
@@ -101,7 +101,9 @@ def test_roles_need_postgresql(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_who_hangs_in_the_middle_of_a_transaction_keeps_nobody_waiting_for_long(tmp_path: Path, postgresql: Server) -> None:
+def test_who_hangs_in_the_middle_of_a_transaction_keeps_nobody_waiting_for_long(
+    tmp_path: Path, postgresql: PostgresServer
+) -> None:
     """The server ends it: until then the others wait with what they write alone, and go on saying that they live."""
     databases = PostgresqlDatabases(postgresql)
     url = databases.new(tmp_path / "hangs.db")

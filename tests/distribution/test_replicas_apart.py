@@ -15,7 +15,7 @@ from tests.distribution.layout import Layout
 from tests.end_to_end.processes import until
 from tests.faults.network import Wire
 from tests.plant import SECOND, batch, document
-from tests.postgresql import Server
+from tests.postgresql import PostgresServer
 
 pytestmark = pytest.mark.long
 
@@ -27,7 +27,7 @@ READY_WITHIN_S, SHARED_WITHIN_S, TAKEN_OVER_WITHIN_S = 120.0, 120.0, 90.0
 
 
 @pytest.fixture
-def layout(tmp_path: Path, postgresql: Server) -> Iterator[Layout]:
+def layout(tmp_path: Path, postgresql: PostgresServer) -> Iterator[Layout]:
     databases = PostgresqlDatabases(postgresql)
     url = databases.new(tmp_path / "apart.db")
     try:
@@ -118,7 +118,7 @@ def test_a_replica_whose_clock_is_wrong_harms_no_machine_of_the_other(layout: La
     monitors.check("all1")
 
 
-def test_a_replica_without_its_database_says_so_and_the_other_takes_over(layout: Layout, postgresql: Server) -> None:
+def test_a_replica_without_its_database_says_so_and_the_other_takes_over(layout: Layout, postgresql: PostgresServer) -> None:
     with Wire(postgresql.port) as wire:
         port = wire.endpoint.rpartition(":")[2]
         begin(layout)

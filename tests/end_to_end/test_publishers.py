@@ -88,7 +88,7 @@ def moody(service: Service, *statuses: int) -> Iterator[str]:
     """Address of a proxy that first answers by itself, and then as the service does."""
     left = list(statuses)
 
-    class Handler(BaseHTTPRequestHandler):
+    class PublishHandler(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
             body = self.rfile.read(int(self.headers["content-length"]))
             status, said = (left.pop(0), b"not now") if left else self._asked(body)
@@ -105,7 +105,7 @@ def moody(service: Service, *statuses: int) -> Iterator[str]:
         def log_message(self, format: str, *args: Any) -> None:
             """Nothing."""
 
-    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+    with ThreadingHTTPServer(("127.0.0.1", 0), PublishHandler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_address[1]}"
         server.shutdown()

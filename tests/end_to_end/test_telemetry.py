@@ -12,7 +12,7 @@ from tests.end_to_end.processes import Service, until
 pytest.importorskip("opentelemetry.sdk")
 
 
-class Collector(http.server.BaseHTTPRequestHandler):
+class TelemetryCollector(http.server.BaseHTTPRequestHandler):
     """Keeps what it is sent."""
 
     bodies: list[tuple[str, bytes]] = []  # noqa: RUF012
@@ -29,7 +29,7 @@ class Collector(http.server.BaseHTTPRequestHandler):
 
 
 def test_requests_are_spans(tmp_path: Path, databases: Databases) -> None:
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Collector) as server:
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), TelemetryCollector) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         service = Service(
             tmp_path,
@@ -43,10 +43,10 @@ def test_requests_are_spans(tmp_path: Path, databases: Databases) -> None:
         with service.running():
             service.get("/machines")
             until(
-                lambda: any(path == "/v1/traces" and b"/api/v1/machines" in body for path, body in Collector.bodies),
+                lambda: any(path == "/v1/traces" and b"/api/v1/machines" in body for path, body in TelemetryCollector.bodies),
                 within_s=20,
                 what="the request is a span at the collector",
             )
         service.client.close()
         server.shutdown()
-    assert any(b"rundown-under-test" in body for _, body in Collector.bodies)
+    assert any(b"rundown-under-test" in body for _, body in TelemetryCollector.bodies)

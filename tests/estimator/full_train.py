@@ -18,7 +18,7 @@ from tests.estimator.trains import Complexes, Document, Floats
 
 Force = Callable[[float], Complexes]
 """Force (N,) at a speed [rad/s], in rotation from +x to +y."""
-Elements = Callable[[float], tuple[Floats, Floats, Floats]]
+FullElements = Callable[[float], tuple[Floats, Floats, Floats]]
 """Stiffness, damping and mass (N, N) of bearings, seals and couplings at a speed [rad/s]."""
 
 
@@ -173,7 +173,7 @@ def full_response(
     *,
     direction: int = 1,
     force: Force | None = None,
-    at_speed: Elements | None = None,
+    at_speed: FullElements | None = None,
 ) -> Complexes:
     """Phasors (S, m) [m] of a full solve at each speed.
 

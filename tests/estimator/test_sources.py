@@ -4,6 +4,10 @@ A source is a DOI, an equation or section of the thesis, a numbered standard, or
 It stands in the docstring of the module, of a class or of a function; one place in a module is enough. A module is due one
 when it solves something numerically, or when its docstrings name somebody's method. What was derived for this project stands
 in `OWN`, with the place of its derivation.
+
+A public function that solves something, by itself or by private functions of its module, says in its own docstring or in that
+of its class where its method comes from: such a source, or "Source: standard result: …" for what every textbook has, or
+"Source: own derivation: …" for what was derived here.
 """
 
 import ast
@@ -12,6 +16,7 @@ from functools import cache
 
 import pytest
 
+from tests.estimator.test_docstrings import public_functions
 from tests.paths import ROOT
 from tests.syntax_trees import parsed, statements
 
@@ -38,7 +43,6 @@ OWN = {
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "calibration/calibration_runs.py": "counts and compares what runs state",
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
-    "fit/problem/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
     "fit/validation/identifiability.py": "reads a covariance whose source is the fit's",
     "identification/sweep_correction.py": "derived in the module's docstring",
     "machine/calibration.py": "a document's part; the method is in calibration/",
@@ -83,6 +87,79 @@ def test_a_published_method_has_its_source(module: str) -> None:
         f"estimator/{module} solves something: say in a docstring who published the method (doi:…, thesis Eq. …, a standard, "
         "a book with its year), or state in OWN of this test where it is derived"
     )
+
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+UNPUBLISHED = re.compile(r"\bSource: (?:standard result|own derivation): \w")
+
+
+def functions_with_source(source: str) -> dict[str, bool]:
+    """Return whether each public function of some source that solves something says where its method comes from."""
+    tree = parsed(source)
+    classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+    found = {}
+    for name, function in public_functions(tree):
+        owner = classes.get(name.partition(".")[0]) if "." in name else None
+        if _solves(function, _private(tree.body), _private(owner.body if owner else [])):
+            stated = " ".join((ast.get_docstring(function) or "").split() + (_docstring_words(owner) if owner else []))
+            found[name] = bool(SOURCE.search(stated) or UNPUBLISHED.search(stated))
+    return found
+
+
+def _docstring_words(node: ast.ClassDef) -> list[str]:
+    return (ast.get_docstring(node) or "").split()
+
+
+def _private(body: list[ast.stmt]) -> dict[str, Function]:
+    return {node.name: node for node in body if isinstance(node, Function) and node.name.startswith("_")}
+
+
+def _solves(function: Function, of_module: dict[str, Function], of_class: dict[str, Function]) -> bool:
+    """Return whether a function solves something, or a private function of its module or class that it uses."""
+    seen, waiting = set[str](), [function]
+    while waiting:
+        one = waiting.pop()
+        if SOLVES.search(ast.unparse(one)):
+            return True
+        for node in ast.walk(one):
+            used = of_module.get(node.id) if isinstance(node, ast.Name) else None
+            used = of_class.get(node.attr) if isinstance(node, ast.Attribute) else used
+            if used is not None and used.name not in seen:
+                seen.add(used.name)
+                waiting.append(used)
+    return False
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_a_public_function_that_solves_something_has_its_source(module: str) -> None:
+    without = [name for name, given in functions_with_source(text(module)).items() if not given]
+    assert without == [], (
+        f"estimator/{module}: say in the docstring who published the method, or 'Source: standard result: …', or 'Source: own "
+        "derivation: …' in a few words"
+    )
+
+
+def test_functions_that_solve_something_are_told_from_others() -> None:
+    source = """
+def mean(a): return a / 2
+def roots(a):
+    '''Solve.'''
+    return np.linalg.eigvals(a)
+def _inner(a): return scipy.fft.fft(a)
+def _outer(a): return _inner(a)
+def spectrum(a):
+    '''Compute. Source: thesis Eq. 2.14.'''
+    return _outer(a)
+class Fit:
+    '''Fit (Nelson, AIAA J. 14 (1976) 1201).'''
+    def _step(self): return np.linalg.solve(1, 2)
+    def run(self): return self._step()
+class Other:
+    def run(self):
+        '''Run. Source: own derivation: halves.'''
+        return scipy.special.gamma(2)
+"""
+    assert functions_with_source(source) == {"roots": False, "spectrum": True, "Fit.run": True, "Other.run": True}
 
 
 @pytest.mark.parametrize("module", [one for one in MODULES if one.startswith("thesis/")])

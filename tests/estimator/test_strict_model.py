@@ -49,7 +49,7 @@ def test_nothing_else_is_a_truth_value(value: object) -> None:
         Machine.model_validate(written)
 
 
-class _Asked(StrictModel):
+class _StrictExample(StrictModel):
     """A request with fields of every kind that is looked at before it is read."""
 
     model_config = ConfigDict(populate_by_name=True)
@@ -69,7 +69,7 @@ class _Asked(StrictModel):
 
 def _told(given: dict[str, Any]) -> list[tuple[Any, ...]]:
     with pytest.raises(ValidationError) as raised:
-        _Asked.model_validate(given)
+        _StrictExample.model_validate(given)
     return [(one["loc"], one["type"], one["msg"], one["input"]) for one in raised.value.errors()]
 
 
@@ -104,7 +104,7 @@ def test_what_is_wrong_with_the_object_as_a_whole_is_told_alone() -> None:
 
 def test_errors_can_be_raised_once_more_as_they_were() -> None:
     with pytest.raises(ValidationError) as first:
-        _Asked.model_validate({"from": "x", "speeds": [1.0, "y"], "weight": -1.0, "sweep": 2, "unknown": 1})
+        _StrictExample.model_validate({"from": "x", "speeds": [1.0, "y"], "weight": -1.0, "sweep": 2, "unknown": 1})
     again = ValidationError.from_exception_data("again", repeatable(first.value.errors()))
     assert [one | {"ctx": str(one.get("ctx"))} for one in again.errors()] == [
         one | {"ctx": str(one.get("ctx"))} for one in first.value.errors()

@@ -27,7 +27,7 @@ from storage.machines import machines
 from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, START, identification, machine, sqlite_url, store_identification
-from tests.service.delivery.receivers import LOOPBACK, Received, receiver
+from tests.service.delivery.receivers import LOOPBACK, ReceivedRequest, receiver
 
 RULE = "misalignment"
 ELEMENTS = tuple(f"coupling.C{number}" for number in range(1, 5))
@@ -241,7 +241,7 @@ def _by_alert(events: list[AlertEventRow]) -> dict[int, list[AlertEventRow]]:
     return found
 
 
-def _check_webhooks(received: list[Received], events: list[AlertEventRow]) -> int:
+def _check_webhooks(received: list[ReceivedRequest], events: list[AlertEventRow]) -> int:
     """Each event came, those of one alert in order, a repeated one under the same id with the same body. How many repeated."""
     bodies: dict[str, set[bytes]] = defaultdict(set)
     numbers: dict[int, list[int]] = defaultdict(list)

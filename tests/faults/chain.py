@@ -16,8 +16,8 @@ from tests.faults.network import Wire
 from tests.plant import assert_same_samples, document
 from tests.ports import free_port
 
-Part = Literal["edge", "router", "service"]
-PARTS: tuple[Part, ...] = ("edge", "router", "service")
+ChainPart = Literal["edge", "router", "service"]
+PARTS: tuple[ChainPart, ...] = ("edge", "router", "service")
 
 
 class Chain:
@@ -35,9 +35,9 @@ class Chain:
         self._around = contextlib.ExitStack()
         self.wire = Wire(port) if wired else None
         self.service = Service(folder, router=self.wire.endpoint if self.wire else self.endpoint, database=database)
-        self._running: dict[Part, tuple[AbstractContextManager[subprocess.Popen[bytes]], subprocess.Popen[bytes]]] = {}
+        self._running: dict[ChainPart, tuple[AbstractContextManager[subprocess.Popen[bytes]], subprocess.Popen[bytes]]] = {}
 
-    def start(self, part: Part) -> None:
+    def start(self, part: ChainPart) -> None:
         """Begin, or begin again."""
         if part == "service":
             context = self.service.started()
@@ -48,14 +48,14 @@ class Chain:
             context = python(self.folder / "edge.log", "-m", "tests.faults.edge", *arguments)
         self._running[part] = context, context.__enter__()
 
-    def kill(self, part: Part) -> None:
+    def kill(self, part: ChainPart) -> None:
         """As a power cut would."""
         context, one = self._running.pop(part)
         one.kill()
         one.wait()
         context.__exit__(None, None, None)
 
-    def freeze(self, part: Part, seconds: float) -> None:
+    def freeze(self, part: ChainPart, seconds: float) -> None:
         """Stop it from doing anything, its connections open."""
         self._running[part][1].send_signal(signal.SIGSTOP)
         try:
@@ -81,7 +81,7 @@ class Chain:
         self.service.client.close()
         self._around.close()
 
-    def pid(self, part: Part) -> int:
+    def pid(self, part: ChainPart) -> int:
         """Its process id."""
         return self._running[part][1].pid
 
@@ -119,6 +119,6 @@ class Chain:
         return 0
 
 
-def every_order() -> list[tuple[Part, ...]]:
+def every_order() -> list[tuple[ChainPart, ...]]:
     """All orders in which the three parts can be killed."""
     return list(itertools.permutations(PARTS))

@@ -11,7 +11,7 @@ from storage.encoding.source_key import SourceKey
 from storage.measurements import quarantine, samples
 from storage.tables.measurements import SampleBlockRow, SourceRow
 from tests.plant import KEY, SECOND, START, arrived, batch
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 MINUTE, HOUR = 60 * SECOND, 3600 * SECOND
 SIZE, BATCHES = 5, 24
@@ -20,7 +20,7 @@ MONITOR = SourceKey(KEY.machine, "monitor", 1)
 
 
 @dataclass(frozen=True)
-class Kept:
+class KeptNumbers:
     """numbers: of the blocks' first samples, as stored. measured: times of all samples. received: of each block [ns]."""
 
     numbers: list[int]
@@ -39,15 +39,15 @@ def told(clock: list[int]) -> list[ArrivedBatch]:
     return found
 
 
-def kept(database: Database, messages: list[ArrivedBatch]) -> Kept:
+def kept(database: Database, messages: list[ArrivedBatch]) -> KeptNumbers:
     """Return what the store holds once all of this has come, each message in a call of its own."""
-    journal = PromptJournal(database, Collector(late_s=0.0))
+    writer = PromptWriter(database, Collector(late_s=0.0))
     for one in messages:
-        journal.store([one], [])
-    journal.settle(silence_s=0.0)
+        writer.store([one], [])
+    writer.settle(silence_s=0.0)
     with database.reading() as session:
         rows = session.query(SampleBlockRow).order_by(SampleBlockRow.id).all()
-        return Kept(
+        return KeptNumbers(
             numbers=[row.first_sequence for row in rows],
             measured=[moment for row in rows for moment in decode(row.data).time.tolist()],
             received=[row.received_at for row in rows],

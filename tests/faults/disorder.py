@@ -25,7 +25,7 @@ from storage.measurements import runs, samples
 from storage.tables.measurements import RunRow, SourceRow
 from tests.identification import chapter_3
 from tests.plant import SECOND, START, Document, assert_same_samples, batch
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 TWICE, MOVED, LATE, GONE = 0.10, 0.10, 0.01, 0.01
 """Parts of the messages that come twice, up to a minute late, up to a day late, never."""
@@ -124,12 +124,12 @@ def told(url: str, document: Machine, messages: Sequence[SampleBatch]) -> Stored
     try:
         with database.transaction() as session:
             machines.create(session, document)
-        journal = PromptJournal(database, Collector(late_s=0.0))
+        writer = PromptWriter(database, Collector(late_s=0.0))
         arrived = [ArrivedBatch(one, "", encode_batch(one), START + 3 * 86_400 * SECOND) for one in messages]
         for first in range(0, len(arrived), CYCLE):
-            journal.store(arrived[first : first + CYCLE], [])
-            journal.settle(silence_s=NEVER_S)  # what came late so far is sorted in, again and again
-        journal.settle(silence_s=0.0)
+            writer.store(arrived[first : first + CYCLE], [])
+            writer.settle(silence_s=NEVER_S)  # what came late so far is sorted in, again and again
+        writer.settle(silence_s=0.0)
         return _held(database, document, source_key(messages[0]).source)
     finally:
         database.close()

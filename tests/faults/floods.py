@@ -18,7 +18,7 @@ from storage.measurements import samples as sample_store
 from tests.plant import KEY, SECOND, START, machine, store_identification
 from tests.service.api.findings.modelled import MAXIMUM_RPM, outcome, values
 
-Asked = tuple[str, str, dict[str, Any] | None]
+FloodRequest = tuple[str, str, dict[str, Any] | None]
 """Method, path and body of a request."""
 SAMPLES, BLOCKS = 1000, 20
 TRIALS = 12
@@ -78,7 +78,7 @@ def prepare(store: Database, target: str) -> Prepared:
         return Prepared((pair[0], pair[1]), found[0], begun.id, target)
 
 
-def _models(stored: Prepared, number: int) -> Asked:
+def _models(stored: Prepared, number: int) -> FloodRequest:
     model = f"/identifications/{stored.identifications[number % 2]}/model"
     return (
         "GET",
@@ -93,7 +93,7 @@ def _models(stored: Prepared, number: int) -> Asked:
     )
 
 
-def _plots(stored: Prepared, number: int) -> Asked:
+def _plots(stored: Prepared, number: int) -> FloodRequest:
     first, second = stored.identifications
     return (
         "GET",
@@ -110,7 +110,7 @@ def _plots(stored: Prepared, number: int) -> Asked:
     )
 
 
-def _exports(_: Prepared, number: int) -> Asked:
+def _exports(_: Prepared, number: int) -> FloodRequest:
     names = "&".join(f"parameter={one}" for one in ("coupling.C1.kxx", "bearing.B1.kxx", "bearing.B2.cyy"))
     return (
         "GET",
@@ -124,7 +124,7 @@ def _exports(_: Prepared, number: int) -> Asked:
     )
 
 
-FLOODS: dict[str, Callable[[Prepared, int], Asked]] = {
+FLOODS: dict[str, Callable[[Prepared, int], FloodRequest]] = {
     "webhooks": lambda stored, number: (
         "POST",
         "/subscriptions",

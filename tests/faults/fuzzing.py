@@ -26,7 +26,7 @@ from formats.wire import (
     frame,
 )
 from service.journal.batch import ArrivedBatch
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
@@ -224,7 +224,7 @@ class Fuzzed:
     _rejections: list[Rejection] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._journal = Journal(self.database, Collector())
+        self._writer = SampleWriter(self.database, Collector())
 
     def run(self, cases: int, *, number: int) -> None:
         """So many more cases, of a seed of their own."""
@@ -274,7 +274,7 @@ class Fuzzed:
             self._store()
 
     def _store(self) -> None:
-        for outcome in self._journal.store(self._waiting, self._rejections):
+        for outcome in self._writer.store(self._waiting, self._rejections):
             self.taken += outcome.received
             if outcome.rejected is not None:
                 self.reasons[outcome.rejected.reason] += 1

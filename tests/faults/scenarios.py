@@ -11,7 +11,7 @@ from formats.wire import MESSAGEPACK, encode_batch
 from service.messaging.session import session, wait_connected
 from service.sources.replay_log import LogEntry
 from tests.end_to_end.processes import Service, until
-from tests.faults.chain import PARTS, Chain, Part
+from tests.faults.chain import PARTS, Chain, ChainPart
 from tests.faults.mangling import MangledSource, Mangler
 from tests.faults.measured import SIZE, expected, measured, stored
 from tests.plant import assert_same_samples, document
@@ -33,13 +33,13 @@ def frozen_parted_killed(folder: Path, *, samples: int) -> None:
         for part in ("service", "edge", "router"):
             chain.kill(part)
             time.sleep(0.3)
-        again: tuple[Part, ...] = ("edge", "service", "router")
+        again: tuple[ChainPart, ...] = ("edge", "service", "router")
         for part in again:
             chain.start(part)
         chain.check_exact()
 
 
-def killed_in_turn(folder: Path, order: Sequence[Part], *, samples: int) -> None:
+def killed_in_turn(folder: Path, order: Sequence[ChainPart], *, samples: int) -> None:
     """Every part is killed, one after the other, then all are started again in that order."""
     with Chain(folder, samples=samples, rate=RATE) as chain:
         chain.wait_received(50)
@@ -64,7 +64,7 @@ def killed_at_random(folder: Path, *, seed: int, kills: int, samples: int) -> No
         chain.check_exact()
 
 
-def frozen(folder: Path, part: Part, *, seconds: float, samples: int) -> None:
+def frozen(folder: Path, part: ChainPart, *, seconds: float, samples: int) -> None:
     """A part does nothing for a while, its connections open: zenoh closes them at the other end after ten seconds."""
     with Chain(folder, samples=samples, rate=RATE) as chain:
         chain.wait_received(50)

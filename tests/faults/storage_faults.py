@@ -14,7 +14,7 @@ from pathlib import Path
 from sqlalchemy import make_url
 
 from tests.faults.chain import Chain
-from tests.postgresql import Server, server
+from tests.postgresql import PostgresServer, server
 
 RATE = 100.0
 UNREADY_S, RECOVERED_S = 12.0, 10.0
@@ -85,7 +85,7 @@ def read_only(chain: Chain) -> Iterator[None]:
             yield
 
 
-def stopped(one: Server) -> Hindrance:
+def stopped(one: PostgresServer) -> Hindrance:
     """The PostgreSQL server is shut down, and started again."""
 
     return lambda _chain: one.away()
@@ -107,7 +107,7 @@ def own_disk(folder: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def own_server() -> Iterator[tuple[Server, str]]:
+def own_server() -> Iterator[tuple[PostgresServer, str]]:
     """A PostgreSQL server that may be stopped, as durable as a plant's, and a new database on it."""
     with server() as one:
         one.execute("CREATE DATABASE faults")

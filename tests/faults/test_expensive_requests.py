@@ -18,7 +18,7 @@ from storage.database.engine import Database
 from storage.tables.alerting import SubscriptionRow
 from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import Service, until
-from tests.faults.floods import FLOODS, Asked, Prepared, prepare
+from tests.faults.floods import FLOODS, FloodRequest, Prepared, prepare
 from tests.faults.neighbour import LONGEST_S, OTHER, OTHER_PLANT, Neighbour, key
 from tests.plant import KEY, document
 from tests.service.delivery.receivers import receiver
@@ -72,7 +72,7 @@ def _end_subscriptions(service: Service) -> None:
         session.execute(update(SubscriptionRow).where(SubscriptionRow.id > 1).values(state=deliveries.DISABLED))
 
 
-def _hold(attacked: Attacked, flood: Callable[[Prepared, int], Asked]) -> None:
+def _hold(attacked: Attacked, flood: Callable[[Prepared, int], FloodRequest]) -> None:
     """Flood the service for a while; what must hold meanwhile."""
     service, stored, own, other = attacked
     _end_subscriptions(service)

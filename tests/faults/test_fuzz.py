@@ -16,7 +16,7 @@ from estimator.phasors.quality import Quality
 from formats.wire import JSON, SampleBatch, encode_batch
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.messaging.session import session as stream_session
 from service.messaging.session import wait_connected
 from service.runs.collector import Collector
@@ -31,7 +31,7 @@ from tests.faults import disorder, fuzzing
 from tests.faults.measured import measured
 from tests.identification import chapter_3
 from tests.plant import KEY, START, arrived, batch, document, listened_to
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 CASES = 3_000
 HUGE = 64 << 20
@@ -48,7 +48,7 @@ def test_rubbish_is_counted_and_kept_out(plant: Database) -> None:
     assert fuzzed.cases == CASES
     assert len(fuzzed.reasons) >= 12, fuzzed.reasons
     assert fuzzed.taken > 0
-    (outcome,) = Journal(plant, Collector()).store(
+    (outcome,) = SampleWriter(plant, Collector()).store(
         [arrived(batch([1000.0] * 5, source="another", start=START), received_at=fuzzing.RECEIVED_AT)], []
     )
     assert outcome.received == 5
@@ -111,7 +111,7 @@ def identified(database: Database, messages: list[SampleBatch]) -> tuple[Samples
     machine = chapter_3()
     with database.transaction() as session:
         machines.create(session, machine)
-    PromptJournal(database).store([arrived(one) for one in messages], [])
+    PromptWriter(database).store([arrived(one) for one in messages], [])
     with database.reading() as session:
         (row,) = session.query(RunRow).filter_by(state=runs.CLOSED)
         held = runs.samples(session, row.id)

@@ -7,13 +7,13 @@ import pytest
 from tests.databases import PostgresqlDatabases
 from tests.faults import roles
 from tests.plant import sqlite_url
-from tests.postgresql import Server
+from tests.postgresql import PostgresServer
 
 KILLS = 20
 
 
 @pytest.mark.long
-def test_roles_killed_on_postgresql(tmp_path: Path, postgresql: Server) -> None:
+def test_roles_killed_on_postgresql(tmp_path: Path, postgresql: PostgresServer) -> None:
     databases = PostgresqlDatabases(postgresql)
     url = databases.new(tmp_path / "killed.db")
     try:

@@ -19,7 +19,7 @@ LOOK_S = 5.0
 """Time in which retention has looked at the clock, and late samples are worked off [s]."""
 
 
-class Source:
+class ClockSource:
     """Over HTTP, without a log of its own. sequence: of its next sample; taken: samples that are stored."""
 
     def __init__(self, service: ShiftedService) -> None:
@@ -41,7 +41,7 @@ def told(service: ShiftedService, words: str) -> bool:
     return any(words in one for one in service.get("/health")["warnings"])
 
 
-def before(service: ShiftedService, source: Source) -> None:
+def before(service: ShiftedService, source: ClockSource) -> None:
     """Twelve hours by a right clock, then eight samples a year ahead."""
     with service.running():
         assert service.client.post("/machines", json=document()).status_code == 201
@@ -51,7 +51,7 @@ def before(service: ShiftedService, source: Source) -> None:
         assert source.post([1480.0] * 8, ahead_s=YEAR_S).status_code == 200
 
 
-def after(service: ShiftedService, source: Source) -> None:
+def after(service: ShiftedService, source: ClockSource) -> None:
     """Started anew, still ahead; then set right, a year behind, and right again."""
     with service.running():
         # Started anew: nothing is let go of, and it is said what waits.
@@ -82,7 +82,7 @@ def after(service: ShiftedService, source: Source) -> None:
 def test_a_year_ahead_and_a_year_behind(tmp_path: Path) -> None:
     service = ShiftedService(tmp_path, RUNDOWN_RAW_DAYS="30")
     with service.client:
-        source = Source(service)
+        source = ClockSource(service)
         before(service, source)
         after(service, source)
 
@@ -92,7 +92,7 @@ def test_a_first_start_a_year_ahead_lets_no_later_jump_delete(tmp_path: Path) ->
     """As of a machine whose clock is wrong at each start, until it is set."""
     service = ShiftedService(tmp_path, RUNDOWN_RAW_DAYS="30", RUNDOWN_LATE_S="1")
     with service.client:
-        source = Source(service)
+        source = ClockSource(service)
         service.offset_s = YEAR_S
         with service.running():
             assert service.client.post("/machines", json=document()).status_code == 201

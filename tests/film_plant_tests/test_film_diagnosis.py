@@ -29,7 +29,7 @@ from tests.film_plant.train import ConstantOil
 BASELINE = 5
 WIDE = Priors(elevation=150e-6, rigid_elevation=150e-6)
 WEEK = 7 * 86_400 * 1_000_000_000
-Change = Callable[[Plant], Plant]
+PlantChange = Callable[[Plant], Plant]
 
 
 @cache
@@ -64,7 +64,7 @@ def assessed(number: int, one: Identification) -> AssessedRun:
     return AssessedRun(number, number * WEEK, {}, observed_fit(one))
 
 
-def diagnosed(change: Change, *, runs: int = 2) -> MachineDiagnosis:
+def diagnosed(change: PlantChange, *, runs: int = 2) -> MachineDiagnosis:
     """Diagnosis of the newest runs of the plant after something has happened to it."""
     rng, later = np.random.default_rng(3), change(plant())
     after = [gated(run_of(later, rng), 100 + number, baseline()[0]) for number in range(runs)]
@@ -83,11 +83,11 @@ def diagnosed(change: Change, *, runs: int = 2) -> MachineDiagnosis:
     return found
 
 
-def sunk(by: float) -> Change:
+def sunk(by: float) -> PlantChange:
     return lambda one: replace(one, train=moved(one.train, offset=np.array([0.0, -by]), angle=np.zeros(2)))
 
 
-def thickened(factor: float) -> Change:
+def thickened(factor: float) -> PlantChange:
     def change(one: Plant) -> Plant:
         bearings = []
         for bearing in one.train.bearings:
@@ -98,7 +98,7 @@ def thickened(factor: float) -> Change:
     return change
 
 
-def worn(number: int, factor: float) -> Change:
+def worn(number: int, factor: float) -> PlantChange:
     def change(one: Plant) -> Plant:
         bearings = list(one.train.bearings)
         bearings[number] = replace(bearings[number], clearance=factor * bearings[number].clearance)
@@ -142,7 +142,7 @@ def test_a_clearance_that_is_15_per_cent_larger_is_wear() -> None:
     ],
     ids=["worn", "far worn", "thicker oil"],
 )
-def test_an_offset_is_told_within_its_interval_beside_another_cause(other: Change, named: set[tuple[str, str]]) -> None:
+def test_an_offset_is_told_within_its_interval_beside_another_cause(other: PlantChange, named: set[tuple[str, str]]) -> None:
     found = {(one.cause.kind, one.cause.element): one for one in diagnosed(lambda one: other(sunk(100e-6)(one))).causes}
     moved = {(kind, element) for kind, element in found if kind != "light_load"}  # which a sunk bearing may have besides
     assert moved == {("misalignment", "coupling.C1"), *named}
@@ -151,7 +151,7 @@ def test_an_offset_is_told_within_its_interval_beside_another_cause(other: Chang
     assert told["offset_vertical_half_width_um"] < 20.0
 
 
-def running_out(*, offset: complex = 0j, angle: complex = 0j) -> Change:
+def running_out(*, offset: complex = 0j, angle: complex = 0j) -> PlantChange:
     def change(one: Plant) -> Plant:
         return replace(one, train=replace(one.train, couplings=(replace(one.train.couplings[0], run_out=(offset, angle)),)))
 
@@ -166,7 +166,7 @@ def running_out(*, offset: complex = 0j, angle: complex = 0j) -> Change:
     ],
     ids=["bore", "face"],
 )
-def test_the_run_out_of_a_rigid_coupling_is_named_with_its_size(change: Change, quantity: str, size: float) -> None:
+def test_the_run_out_of_a_rigid_coupling_is_named_with_its_size(change: PlantChange, quantity: str, size: float) -> None:
     (one,) = diagnosed(change).causes
     assert (one.cause.kind, one.cause.element) == ("rotating_coupling", "coupling.C1")
     assert one.size.quantities[quantity] == pytest.approx(size, rel=0.15)

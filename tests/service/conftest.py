@@ -15,8 +15,8 @@ from service.workers import process_setup
 from storage.database.engine import Database
 from tests.plant import KEY, wait_until
 from tests.ports import free_endpoint
-from tests.prompt_journal import PromptJournal
-from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
+from tests.prompt_writer import PromptWriter
+from tests.service.ingest.plant_network import DroppedOnTheWay, PublishingEdge, ingesting
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -28,9 +28,9 @@ def urgent() -> Iterator[None]:
 
 
 @pytest.fixture
-def journal(plant: Database) -> PromptJournal:
+def writer(plant: Database) -> PromptWriter:
     """A journal as a service that just started has it."""
-    return PromptJournal(plant, Collector())
+    return PromptWriter(plant, Collector())
 
 
 @pytest.fixture(scope="module")
@@ -69,10 +69,10 @@ def ingest(router: zenoh.Session, plant: Database) -> Iterator[Ingest]:
 
 
 @pytest.fixture
-def edge(client: zenoh.Session) -> Iterator[Edge]:
+def edge(client: zenoh.Session) -> Iterator[PublishingEdge]:
     """A source with a log."""
     with Source(client, KEY, name="edge") as source:
-        yield Edge(source)
+        yield PublishingEdge(source)
 
 
 @pytest.fixture

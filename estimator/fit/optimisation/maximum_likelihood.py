@@ -155,7 +155,7 @@ def descend(
     settled: float = CONVERGED_DECREASE,
     hopeless: float = math.inf,
 ) -> tuple[Floats, bool, int]:
-    """Run Levenberg-Marquardt at fixed weights, damped by the gain ratio (Nielsen, IMM-REP-1999-05, Techn. Univ. of Denmark).
+    """Run Marquardt's method (doi:10.1137/0111030) at fixed weights, damped by Nielsen's gain ratio (IMM-REP-1999-05).
 
     Args:
         problem: The problem.

@@ -141,7 +141,7 @@ def _agree(reached: list[float], best: FitResult) -> bool:
 
 
 def _starts_are_near(problem: FitProblem) -> bool:
-    """Return whether further starts lead where the ones before did: priors say where films are, and nothing is guessed."""
+    """Return whether further starts would end where the earlier ones did: priors place the films, and nothing is guessed."""
     return bool(problem.coordinates.nuisance.any() and not problem.coordinates.guessed.any())
 
 

@@ -54,6 +54,8 @@ def effective_count(problem: FitProblem, found: FitResult) -> float:
 def effective_number_of(which: NDArray[np.bool_], problem: FitProblem, found: FitResult) -> float:
     """Compute the number of degrees of freedom that some parameters use up, as `effective_count`.
 
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.2.
+
     Args:
         which: True for those parameters (n,).
         problem: The fit's problem.
@@ -70,6 +72,8 @@ def effective_number_of(which: NDArray[np.bool_], problem: FitProblem, found: Fi
 
 def deviates_too_far(problem: FitProblem, found: FitResult) -> bool:
     """Return whether a fit's films deviate from their model by more than the document says (`excessive_deviations`).
+
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.2.
 
     Args:
         problem: The fit's problem.
@@ -89,6 +93,8 @@ def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floa
 
     Each film is judged by itself and all are together: a bore that is not as described shows in its own film. What is said of
     clearances, viscosities and elevations is not judged, for these are what wears and moves.
+
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.2.
 
     Args:
         problem: The fit's problem.

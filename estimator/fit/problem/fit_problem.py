@@ -259,6 +259,8 @@ class FitProblem(Struct, frozen=True, eq=False):
 def best_excitations(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
     """Solve for the excitations that fit best while everything else stays: a linear problem.
 
+    Source: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036.
+
     Args:
         problem: The problem.
         theta: Fit coordinates θ (n,) [-].

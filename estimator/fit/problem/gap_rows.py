@@ -63,6 +63,8 @@ class ChannelGaps(Struct, frozen=True, eq=False):
     ) -> "ChannelGaps":
         """Take the gaps of a channel with the errors that its samples share.
 
+        Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.7.
+
         Args:
             channel: Number of the channel.
             run: Number of the run.

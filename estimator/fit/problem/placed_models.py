@@ -100,7 +100,7 @@ class PlacedModel(Struct, frozen=True, dict=True):
 
 
 class FollowingCoefficients:
-    """Coefficients of models that follow the speed, evaluated together where they are numbers at the same knots."""
+    """Coefficients that follow the speed; those that are given by values at the same knots are evaluated together."""
 
     def __init__(self, models: Sequence[PlacedModel]) -> None:
         """Prepare the coefficients.

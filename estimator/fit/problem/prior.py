@@ -61,7 +61,10 @@ class CalibratedPrior(Struct, frozen=True, eq=False):
 
     @property
     def precision(self) -> Floats:
-        """Return the inverse of the covariance (k, k) [-]."""
+        """Return the inverse of the covariance (k, k) [-].
+
+        Source: Gaussian prior, Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.1.
+        """
         size = np.sqrt(np.diag(self.covariance))
         return np.asarray(np.linalg.inv(self.covariance / np.outer(size, size)) / np.outer(size, size))
 

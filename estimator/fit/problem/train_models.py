@@ -1,5 +1,10 @@
-"""Models of a train's coefficients: those of its elements one by one, and that of all its oil films together."""
+"""Models of a train's coefficients: those of its elements one by one, and that of all its bearings together."""
 
+from importlib import import_module
+from typing import Any
+
+from estimator.bearings.model import CoefficientModel, WholeTrain
+from estimator.machine.document import Machine
 from estimator.rotor.coefficient_models import GoverningModel, governing_models
 from estimator.rotor.condensation import CondensedTrain
 
@@ -15,11 +20,26 @@ def train_models(train: CondensedTrain) -> tuple[GoverningModel, ...]:
     """
     coefficients = train.unknowns.coefficients
     found = governing_models(coefficients)
-    if train.machine is None or not any(one.form.of_whole_train for one in coefficients):
+    declared = next((one.form.whole_train for one in coefficients if one.form.whole_train is not None), None)
+    if train.machine is None or declared is None:
         return found
-    from estimator.statics.film_model import film_model  # films take as long to load as all of a fit without them
-
     index = {one.name: k for k, one in enumerate(coefficients)}
-    model = film_model(train.machine)
-    films = GoverningModel(model, tuple(index[name] for name in model.coefficients))
-    return tuple(sorted((*found, films), key=lambda one: min(one.coefficients)))
+    model = whole_train_model(train.machine, declared)
+    of_bearings = GoverningModel(model, tuple(index[name] for name in model.coefficients))
+    return tuple(sorted((*found, of_bearings), key=lambda one: min(one.coefficients)))
+
+
+def whole_train_model(machine: Machine, declared: WholeTrain) -> CoefficientModel:
+    """Make the one model of the coefficients of all bearings of a machine.
+
+    Args:
+        machine: The machine.
+        declared: What the bearings' form declares.
+
+    Returns:
+        The model.
+    """
+    module, _, function = declared.model.partition(":")
+    make: Any = getattr(import_module(module), function)
+    model: CoefficientModel = make(machine)
+    return model

@@ -43,7 +43,10 @@ class CalibrationConflict(Struct, frozen=True):
 
     @property
     def chance(self) -> float:
-        """Return the chance of a χ² as large [-]."""
+        """Return the chance of a χ² as large [-].
+
+        Source: Box, J. R. Stat. Soc. A 143 (1980) 383, doi:10.2307/2982063.
+        """
         return float(scipy.special.chdtrc(self.freedom, self.chi_square))
 
     @property
@@ -58,7 +61,10 @@ class CalibrationConflict(Struct, frozen=True):
 
     @property
     def inflation(self) -> float:
-        """Return the factor on the covariance, 1 where chance explains the misfit apart from that of a doubted chain [-]."""
+        """Return the factor on the covariance, 1 where chance explains the misfit apart from that of a doubted chain [-].
+
+        Source: Birge, Phys. Rev. 40 (1932) 207, doi:10.1103/PhysRev.40.207.
+        """
         chi_square, freedom = self.chi_square, self.freedom
         if self.doubted is not None:
             chi_square, freedom = chi_square - self.doubted.fall, max(1, freedom - 2)

@@ -52,6 +52,8 @@ class ChangedChain(Struct, frozen=True, eq=False):
 def most_changed_chain(problem: FitProblem, found: FitResult) -> ChangedChain | None:
     """Find the channel whose free gain would make a calibrated fit better by the most (Rao 1948).
 
+    Source: score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987.
+
     Args:
         problem: The fit's problem.
         found: The fit.

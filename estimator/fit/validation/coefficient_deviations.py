@@ -51,6 +51,8 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
         The coordinates take away nearly all that the data say of deviations, so that both are weighted alike: beside a fit's
         own information, of a pass whose noise differed by a ten-thousandth, what is left could be less than none.
 
+        Source: Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294.
+
         Args:
             problem: The fit's problem, with the noise and the outliers of its end.
             found: The fit.
@@ -83,6 +85,8 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
     def ratio(self, size: float) -> float:
         """Compute twice the logarithm of the likelihood ratio of a size against none.
 
+        Source: restricted likelihood of Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998.
+
         Args:
             size: The size [-].
 
@@ -93,6 +97,8 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
 
     def likeliest(self) -> tuple[float, float]:
         """Return the most likely size [-] and twice the logarithm of its likelihood ratio against none [-].
+
+        Source: restricted likelihood of Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998.
 
         Returns:
             Size [-] and ratio [-].
@@ -105,6 +111,8 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
 
     def largest(self) -> float:
         """Return the largest size that the data do not rule out.
+
+        Source: restricted likelihood of Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998.
 
         Returns:
             The size [-].
@@ -143,6 +151,8 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
 
     def widened(self, covariance: Floats, size: float) -> Floats:
         """Return the covariance of the coordinates with deviations of some size, their most likely shift included.
+
+        Source: Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294.
 
         Args:
             covariance: Covariance (n, n) of the fit coordinates without deviations [-].

@@ -51,7 +51,7 @@ class FormVerdict(Struct, frozen=True, eq=False):
     resting: str = ""
 
     def applied(self, verdict: Verdict) -> Verdict:
-        """Return a verdict on a fit with this one.
+        """Return a verdict on a fit with this verdict on its form added.
 
         Args:
             verdict: The verdict on the fit.

@@ -47,6 +47,8 @@ class OpenParameters:
     def reason(self, name: str) -> str:
         """State why a coordinate is not determined.
 
+        Source: own derivation: what the fit's covariance and the document say, in words.
+
         Args:
             name: Name of the coordinate.
 

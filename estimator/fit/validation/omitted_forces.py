@@ -20,6 +20,7 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.fit.validation.form_discrepancy import FormVerdict
 from estimator.fit.validation.omitted_parameter import OmittedParameter, omitted_parameter
+from estimator.machine.parameter_description import describe
 
 REFUSED_CHANCE = 0.01
 """Chance of scores so large where all forces are as stated beneath which a fit is refused [-]: 2.6 standard deviations for one
@@ -42,7 +43,7 @@ class _WantedForce(Struct, frozen=True):
         return (
             f"the oil films want {self.name} to be about {self.stated + self.change.value:.3g} N, where the document says "
             f"{self.stated:.3g} N exactly ({abs(self.change.score):.2g} standard errors): state how far it may be off "
-            f"({self.name.rpartition('.')[2]}_spread)"
+            f"({describe(self.name).quantity}_spread)"
         )
 
     def resting_words(self, limit: float) -> str:
@@ -95,6 +96,9 @@ def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats
 
 def largest_score(chance: float, count: int) -> float:
     """Return the size that the largest of some scores exceeds by a chance at most (Bonferroni's inequality).
+
+    Source: Bonferroni's inequality; score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50,
+    doi:10.1017/S0305004100023987.
 
     Args:
         chance: The chance [-].

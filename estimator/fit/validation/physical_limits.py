@@ -138,6 +138,8 @@ class PhysicalLimits:
     def least_damped(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
         """Return the least damped mode at each speed.
 
+        Source: standard result: eigenvalues of the train's state matrix.
+
         Args:
             theta: Fit coordinates θ (n,) [-].
 
@@ -148,6 +150,8 @@ class PhysicalLimits:
 
     def least_damped_below_speed(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
         """Return the least damped of the modes that oscillate more slowly than the shaft turns, at each speed.
+
+        Source: standard result: eigenvalues of the train's state matrix.
 
         Args:
             theta: Fit coordinates θ (n,) [-].
@@ -183,6 +187,8 @@ class PhysicalLimits:
 
     def watched(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
         """Return all modes of little or negative damping at all speeds.
+
+        Source: standard result: eigenvalues of the train's state matrix.
 
         Args:
             theta: Fit coordinates θ (n,) [-].

@@ -70,7 +70,7 @@ def judge_sharp_deviations(
 def _sought(
     problem: FitProblem, found: FitResult, owners: Owners, length: float, inflation: float
 ) -> tuple[float, float, float, CoefficientDeviations]:
-    """Return the likeliest size of deviations that stay alike over a length, its evidence, that length, and they."""
+    """Return the likeliest size of deviations that are alike over a length, its evidence, the length, and the deviations."""
     speed = problem.measurement.speed
     shapes = DeviationShapes(float(speed.min()), float(speed.max()), length=length)
     nothing = np.zeros((found.theta.size, (int(owners.max()) + 1) * shapes.count))

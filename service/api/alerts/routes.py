@@ -94,45 +94,45 @@ def _listed(request: Request, session: Session, paging: Paging, *, machine_id: s
 
 @router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", dependencies=[OPERATOR], responses=CHANGES)
 def acknowledge_alert(
-    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+    request: Request, response: Response, alert_id: Number, body: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """Acknowledge an alert: a person has seen it."""
     change = AlertChange(request, response, alert_id, if_match)
-    return change.apply(lambda session, row: transitions.acknowledge(session, row, _person(said)))
+    return change.apply(lambda session, row: transitions.acknowledge(session, row, _person(body)))
 
 
 @router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", dependencies=[OPERATOR], responses=CHANGES)
 def reset_alert(
-    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+    request: Request, response: Response, alert_id: Number, body: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """Unlatch an acknowledged alert whose cause is gone."""
     change = AlertChange(request, response, alert_id, if_match)
-    return change.apply(lambda session, row: transitions.reset(session, row, _person(said)))
+    return change.apply(lambda session, row: transitions.reset(session, row, _person(body)))
 
 
 @router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", dependencies=[OPERATOR], responses=CHANGES)
 def shelve_alert(
-    request: Request, response: Response, alert_id: Number, said: schemas.Shelving, if_match: IfMatch = None
+    request: Request, response: Response, alert_id: Number, body: schemas.Shelving, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """Shelve an alert until a moment: it notifies nobody, nor, unless `until_cleared`, when its cause returns before then."""
-    until, once = instant(said.until), said.until_cleared
+    until, once = instant(body.until), body.until_cleared
     change = AlertChange(request, response, alert_id, if_match)
-    return change.apply(lambda session, row: transitions.shelve(session, row, _person(said), until=until, until_cleared=once))
+    return change.apply(lambda session, row: transitions.shelve(session, row, _person(body), until=until, until_cleared=once))
 
 
 @router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", dependencies=[OPERATOR], responses=CHANGES)
 def unshelve_alert(
-    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+    request: Request, response: Response, alert_id: Number, body: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """End a shelving before its time."""
     change = AlertChange(request, response, alert_id, if_match)
-    return change.apply(lambda session, row: transitions.unshelve(session, row, _person(said)))
+    return change.apply(lambda session, row: transitions.unshelve(session, row, _person(body)))
 
 
 @router.post("/alerts/{alert_id}/comments", operation_id="comment_alert", dependencies=[ANALYST])
-def comment_alert(request: Request, response: Response, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
+def comment_alert(request: Request, response: Response, alert_id: Number, body: schemas.Remark) -> schemas.AlertOut:
     """Add a comment to an alert, open or closed."""
-    person = Person(said.by, said.comment)
+    person = Person(body.by, body.comment)
     change = AlertChange(request, response, alert_id, ANYTHING)
     return change.apply(lambda session, row: transitions.comment(session, row, person))
 
@@ -180,5 +180,5 @@ def _place(row: ListedAlert) -> Keys:
     return row.opened_at, row.id
 
 
-def _person(said: schemas.By) -> Person:
-    return Person(said.by, said.comment)
+def _person(body: schemas.By) -> Person:
+    return Person(body.by, body.comment)

@@ -42,35 +42,35 @@ def list_subscriptions(request: Request, session: Reading, paging: ById) -> list
 
 
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
-async def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
+async def subscribe(request: Request, body: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
     """Subscribe to every event from now on. A webhook's secret is shown here, once.
 
     A URL at an address to which nothing is delivered is refused here already.
     """
-    if channel_kind(said.kind).url_target:  # before a thread is taken, as a name may take seconds
-        await require_permitted(said.target, request.app.state.delivery_networks)
+    if channel_kind(body.kind).url_target:  # before a thread is taken, as a name may take seconds
+        await require_permitted(body.target, request.app.state.delivery_networks)
     places: RequestPlaces = request.app.state.changing_places
     async with places.place(principal(request).identity, has_gone=request.is_disconnected):
-        return await run_in_threadpool(_subscribed, request, said)
+        return await run_in_threadpool(_subscribed, request, body)
 
 
-def _subscribed(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
+def _subscribed(request: Request, body: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
     who = principal(request)
-    plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
+    plants = body.plants if body.plants is not None or who.plants is None else sorted(who.plants)
     for plant in plants or ():
         if not who.sees(plant):
             raise NotAllowed(f"plant '{plant}' is not one of those of {who.name}")
-    kept, secrets = _reference(request, said), _secrets(request)
-    secret = new_secret() if channel_kind(said.kind).signed and kept is None else None
+    kept, secrets = _reference(request, body), _secrets(request)
+    secret = new_secret() if channel_kind(body.kind).signed and kept is None else None
     with database(request).transaction() as session:
         row = deliveries.subscribe(
             session,
-            kind=said.kind,
-            name=said.name,
-            target=said.target,
+            kind=body.kind,
+            name=body.name,
+            target=body.target,
             secret=kept,
             plants=plants,
-            reports=said.reports,
+            reports=body.reports,
         )
         if secret is not None:
             row.secret = secrets.sealed(secret, row.id)
@@ -82,15 +82,15 @@ def _secrets(request: Request) -> SigningSecrets:
     return cast(SigningSecrets, request.app.state.secrets)
 
 
-def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
+def _reference(request: Request, body: schemas.SubscriptionIn) -> str | None:
     """Return the reference to the secret's file or variable, if given. Raises SecretUnusable."""
-    if said.secret_file is None and said.secret_env is None:
+    if body.secret_file is None and body.secret_env is None:
         return None
     who = principal(request)
     if who.plants is not None:  # else the service would sign their messages with another plant's secret
         detail = f"secret_file and secret_env need the role admin for all plants, and {who.name} has it for some"
         raise NotAllowed(detail)
-    return _secrets(request).referred(file=said.secret_file, variable=said.secret_env)
+    return _secrets(request).referred(file=body.secret_file, variable=body.secret_env)
 
 
 @router.get("/{subscription_id}", operation_id="read_subscription")
@@ -130,17 +130,17 @@ def set_reports(
     request: Request,
     response: Response,
     subscription_id: Number,
-    said: schemas.ReportsIn,
+    body: schemas.ReportsIn,
     if_match: IfMatch = None,
 ) -> schemas.SubscriptionOut:
     """Set how often a subscription gets the reports of its machines by mail, from the next whole week or month on."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
         require(if_match, rendering.subscription(row, _secrets(request)))
-        if said.reports is not None and not channel_kind(row.kind).reporting:
+        if body.reports is not None and not channel_kind(row.kind).reporting:
             raise ReportsNotSent(f"reports are sent by {schemas.REPORTING_CHANNELS} only, and '{row.name}' is {row.kind}")
-        if said.reports != row.reports:  # what was due before stays due
-            deliveries.send_reports(row, said.reports, moment=now())
+        if body.reports != row.reports:  # what was due before stays due
+            deliveries.send_reports(row, body.reports, moment=now())
         return tagged(response, rendering.subscription(row, _secrets(request)))
 
 

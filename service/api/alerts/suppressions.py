@@ -34,10 +34,10 @@ def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> 
     responses=CHANGES,
 )
 def begin_suppression(
-    request: Request, response: Response, machine_id: MachineId, said: schemas.SuppressionIn
+    request: Request, response: Response, machine_id: MachineId, body: schemas.SuppressionIn
 ) -> schemas.SuppressionOut:
     """Suppress open and new alerts of a machine in maintenance or a probe out of service, until the suppression ends."""
-    until = None if said.until is None else instant(said.until)
+    until = None if body.until is None else instant(body.until)
     if until is not None and until <= now():
         raise Forbidden("until must be a moment to come")
     with database(request).transaction() as session:
@@ -45,10 +45,10 @@ def begin_suppression(
         row = transitions.suppress(
             session,
             machine_id,
-            Suppression(said.kind),
-            Person(said.by, said.comment),
-            rule=said.rule,
-            element=said.element,
+            Suppression(body.kind),
+            Person(body.by, body.comment),
+            rule=body.rule,
+            element=body.element,
             until=until,
         )
         return tagged(response, rendering.suppression(row))
@@ -62,11 +62,11 @@ def read_suppression(session: Reading, response: Response, suppression_id: Numbe
 
 @router.post("/suppressions/{suppression_id}/end", operation_id="end_suppression", dependencies=[OPERATOR], responses=CHANGES)
 def end_suppression(
-    request: Request, response: Response, suppression_id: Number, said: schemas.By, if_match: IfMatch = None
+    request: Request, response: Response, suppression_id: Number, body: schemas.By, if_match: IfMatch = None
 ) -> schemas.SuppressionOut:
     """End a suppression: alerts whose cause persists notify again."""
     with database(request).transaction() as session:
         row = suppressions.get(session, suppression_id)
         require(if_match, rendering.suppression(row))
-        transitions.release(session, row, Person(said.by, said.comment))
+        transitions.release(session, row, Person(body.by, body.comment))
         return tagged(response, rendering.suppression(row))

@@ -71,41 +71,41 @@ def read_balancing(session: Reading, machine_id: MachineId, balancing_id: Number
 
 
 @router.post("", operation_id="begin_balancing", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
-def begin_balancing(request: Request, machine_id: MachineId, said: schemas.BalancingIn) -> schemas.BalancingOut:
+def begin_balancing(request: Request, machine_id: MachineId, body: schemas.BalancingIn) -> schemas.BalancingOut:
     """Begin a field balancing with runs of the machine as it is, before any trial weight."""
     with database(request).reading() as session:
         revision = machines.get(session, machine_id).revision
-        for run in said.runs:
+        for run in body.runs:
             balancing_run(session, machine_id, revision, run, None)
     with database(request).transaction() as session:
         row = balancings.add(
             session,
             machine_id,
             revision=revision,
-            initial=list(dict.fromkeys(said.runs)),
-            by=said.by,
-            comment=said.comment,
-            disc_scale=said.disc_scale.model_dump(mode="json"),
+            initial=list(dict.fromkeys(body.runs)),
+            by=body.by,
+            comment=body.comment,
+            disc_scale=body.disc_scale.model_dump(mode="json"),
         )
         return _rendered(session, row)
 
 
 @router.post("/{balancing_id}/trials", operation_id="add_balancing_trial", dependencies=[ANALYST], responses=CHANGES)
-def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.TrialIn) -> schemas.BalancingOut:
+def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, body: schemas.TrialIn) -> schemas.BalancingOut:
     """Add a run with trial weights. A correction that was computed before is computed anew on request."""
     with database(request).reading() as session:
         row = balancings.get(session, machine_id, balancing_id)
-        read, weights = row.updated_at, _weights(session, row, said.weights)
-        _require_other_run(row, said.run)
+        read, weights = row.updated_at, _weights(session, row, body.weights)
+        _require_other_run(row, body.run)
         if len(row.steps["trials"]) >= MOST_TRIALS:
             raise TooManyTrials(f"balancing {balancing_id} has {MOST_TRIALS} trial runs, as many as may be: begin another one")
         machine = machines.document(session, machine_id, row.revision)
-        tried = balancing_run(session, machine_id, row.revision, said.run, weights)
+        tried = balancing_run(session, machine_id, row.revision, body.run, weights)
         others = [balancing_run(session, machine_id, row.revision, one, None) for one in _run_ids(row)]
     balancing_computation.require_usable_trial(machine, tried, others)
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
-        trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
+        trial = {"run": body.run, "weights": [asdict(one) for one in weights], "by": body.by}
         balancings.record(row, balancings.TRIED, trials=[*row.steps["trials"], trial], correction=None, check=None)
         return _rendered(session, row)
 
@@ -115,13 +115,13 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, sai
 )
 @takes_turns_of_its_own
 def compute_correction(
-    request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CorrectionIn
+    request: Request, machine_id: MachineId, balancing_id: Number, body: schemas.CorrectionIn
 ) -> schemas.BalancingOut:
     """Compute the correction from the trial runs so far.
 
     Answers 409 and proposes no masses while an open alert says that something else than unbalance is wrong.
     """
-    asked = said.model_dump(mode="json", exclude={"by"})
+    asked = body.model_dump(mode="json", exclude={"by"})
     with database(request).reading() as session:
         require_nothing_else(session, machine_id)
         key, read = _stamp(session, machine_id, balancing_id)
@@ -132,7 +132,7 @@ def compute_correction(
         return process.compute(balancing_computation.compute_correction, task)
 
     result = compute_in_worker(request, ("balancing correction", *key, json.dumps(asked)), work)
-    step = {"asked": asked, "by": said.by, "at": now(), "result": result}
+    step = {"asked": asked, "by": body.by, "at": now(), "result": result}
     with change_place(request), database(request).transaction() as session:
         require_nothing_else(session, machine_id)  # an alert may have come while it was computed
         row = _unmoved(session, machine_id, balancing_id, read)
@@ -143,15 +143,15 @@ def compute_correction(
 @router.post("/{balancing_id}/check", operation_id="check_balancing", dependencies=[ANALYST], responses=CHANGES)
 @takes_turns_of_its_own
 def check_correction(
-    request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CheckIn
+    request: Request, machine_id: MachineId, balancing_id: Number, body: schemas.CheckIn
 ) -> schemas.BalancingOut:
     """Compare a run after the correction with what was promised, and say what to trim."""
     with database(request).reading() as session:
         row = balancings.get(session, machine_id, balancing_id)
-        weights = None if said.weights is None else _weights(session, row, said.weights)
+        weights = None if body.weights is None else _weights(session, row, body.weights)
         if row.steps["correction"] is None:
             raise StepMissing(f"balancing {balancing_id} has no correction yet, which a check run could keep")
-        _require_other_run(row, said.run)
+        _require_other_run(row, body.run)
         asked = row.steps["correction"]["asked"]
         key, read = _stamp(session, machine_id, balancing_id)
 
@@ -159,14 +159,14 @@ def check_correction(
         with database(request).reading() as reading:
             row = balancings.get(reading, machine_id, balancing_id)
             task = _task(reading, row, asked)
-            run = balancing_run(reading, machine_id, row.revision, said.run, weights)
+            run = balancing_run(reading, machine_id, row.revision, body.run, weights)
         return process.compute(balancing_computation.compute_check, task, run)
 
-    whole = ("balancing check", *key, said.run, None if weights is None else tuple(weights))
+    whole = ("balancing check", *key, body.run, None if weights is None else tuple(weights))
     step = {
-        "run": said.run,
+        "run": body.run,
         "weights": None if weights is None else [asdict(one) for one in weights],
-        "by": said.by,
+        "by": body.by,
         "at": now(),
         "result": compute_in_worker(request, whole, work),
     }
@@ -230,28 +230,28 @@ def _model(session: Session, machine: Machine, identification_id: int | None) ->
 
 
 def _options(machine: Machine, asked: dict[str, Any], scale: DiscScale) -> BalancingOptions:
-    said = schemas.CorrectionIn.model_validate(asked | {"by": "-"})
+    body = schemas.CorrectionIn.model_validate(asked | {"by": "-"})
     discs = [disc.id for disc in machine.discs]
-    for name in [*(said.discs or []), *said.limits_g_mm, *said.places]:
+    for name in [*(body.discs or []), *body.limits_g_mm, *body.places]:
         if name not in discs:
             raise Unsuitable(f"there is no disc {name}; the discs are {', '.join(discs)}")
     return BalancingOptions(
-        planes=None if said.discs is None else tuple(said.discs),
-        criterion=said.criterion,
-        limit={disc: size * GRAM_MILLIMETRE for disc, size in said.limits_g_mm.items()},
-        places={disc: _places(one, scale, machine.direction) for disc, one in said.places.items()},
-        grade=said.grade,
-        service_speed=None if said.service_rpm is None else rpm_to_rad_per_s(said.service_rpm),
+        planes=None if body.discs is None else tuple(body.discs),
+        criterion=body.criterion,
+        limit={disc: size * GRAM_MILLIMETRE for disc, size in body.limits_g_mm.items()},
+        places={disc: _places(one, scale, machine.direction) for disc, one in body.places.items()},
+        grade=body.grade,
+        service_speed=None if body.service_rpm is None else rpm_to_rad_per_s(body.service_rpm),
     )
 
 
-def _places(said: schemas.PlacesIn, scale: DiscScale, direction: int) -> WeightPlaces:
+def _places(body: schemas.PlacesIn, scale: DiscScale, direction: int) -> WeightPlaces:
     return WeightPlaces.evenly(
-        said.count,
-        radius=1e-3 * said.radius_mm,
-        first_deg=math.degrees(scale.angle(said.first_deg, direction=direction)),
-        largest=np.inf if said.largest_g is None else 1e-3 * said.largest_g,
-        step=0.0 if said.step_g is None else 1e-3 * said.step_g,
+        body.count,
+        radius=1e-3 * body.radius_mm,
+        first_deg=math.degrees(scale.angle(body.first_deg, direction=direction)),
+        largest=np.inf if body.largest_g is None else 1e-3 * body.largest_g,
+        step=0.0 if body.step_g is None else 1e-3 * body.step_g,
     )
 
 
@@ -259,9 +259,9 @@ def _scale(row: BalancingRow) -> DiscScale:
     return DiscScale.model_validate(row.steps.get("disc_scale") or {})
 
 
-def _weights(session: Session, row: BalancingRow, said: list[schemas.WeightIn]) -> list[StoredWeight]:
+def _weights(session: Session, row: BalancingRow, body: list[schemas.WeightIn]) -> list[StoredWeight]:
     direction = machines.document(session, row.machine_id, row.revision).direction
-    return [one.stored(_scale(row), direction) for one in said]
+    return [one.stored(_scale(row), direction) for one in body]
 
 
 def _rendered(session: Session, row: BalancingRow) -> schemas.BalancingOut:

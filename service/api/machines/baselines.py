@@ -32,16 +32,16 @@ def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> l
     status_code=status.HTTP_201_CREATED,
     responses=CHANGES,
 )
-def begin_baseline(request: Request, machine_id: MachineId, said: schemas.BaselineIn) -> schemas.BaselineOut:
+def begin_baseline(request: Request, machine_id: MachineId, body: schemas.BaselineIn) -> schemas.BaselineOut:
     """Begin a baseline: later measurements are compared with the first runs after a moment, or with named identifications."""
     with database(request).transaction() as session:
         machines.get(session, machine_id)
         row = baseline_changes.begin(
             session,
             machine_id,
-            since=instant(said.since),
-            reason=said.reason,
-            by=said.by,
-            identification_ids=said.identifications,
+            since=instant(body.since),
+            reason=body.reason,
+            by=body.by,
+            identification_ids=body.identifications,
         )
         return rendering.baseline(row)

@@ -63,18 +63,18 @@ def list_calibrations(
 
 
 @router.post("", operation_id="add_calibration", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
-def add_calibration(request: Request, machine_id: MachineId, said: CalibrationIn) -> CalibrationOut:
+def add_calibration(request: Request, machine_id: MachineId, body: CalibrationIn) -> CalibrationOut:
     """Record that a channel was calibrated; the entry is never changed or deleted."""
-    at = instant(said.at)
+    at = instant(body.at)
     if is_ahead(at):
         raise Unsuitable("a calibration is noted when it was done, not in the future: note the plan as a note")
     with database(request).transaction() as session:
         channels = machines.document(session, machine_id).channels
-        if said.channel not in channels:
-            raise Unsuitable(f"machine '{machine_id}' has no channel {said.channel}; it has {', '.join(channels)}")
-        row = calibrations.add(session, machine_id, channel=said.channel, at=at, certificate=said.certificate, by=said.by)
-        words = f"{said.channel}: {said.certificate}"
-        timeline.add(session, machine_id, at=at, kind=CALIBRATION, text=words, by=said.by)
+        if body.channel not in channels:
+            raise Unsuitable(f"machine '{machine_id}' has no channel {body.channel}; it has {', '.join(channels)}")
+        row = calibrations.add(session, machine_id, channel=body.channel, at=at, certificate=body.certificate, by=body.by)
+        words = f"{body.channel}: {body.certificate}"
+        timeline.add(session, machine_id, at=at, kind=CALIBRATION, text=words, by=body.by)
         return _rendered(row)
 
 

@@ -30,12 +30,12 @@ def read_limits(session: Reading, response: Response, machine_id: MachineId) -> 
 
 @router.put("/machines/{machine_id}/limits", operation_id="set_limits", dependencies=[OPERATOR])
 def replace_limits(
-    request: Request, response: Response, machine_id: MachineId, said: LimitsIn, if_match: IfMatch = None
+    request: Request, response: Response, machine_id: MachineId, body: LimitsIn, if_match: IfMatch = None
 ) -> LimitsOut:
     """Put new limits in force; earlier versions stay readable. The next identification is assessed by them."""
     expected = _expected(if_match)
     with database(request).transaction() as session:
-        row = set_limits(session, machine_id, said.limits, by=said.by, comment=said.comment, expected=expected)
+        row = set_limits(session, machine_id, body.limits, by=body.by, comment=body.comment, expected=expected)
         found = _rendered(machine_id, row)
     response.headers["ETag"] = f'"{found.version}"'
     return found

@@ -53,7 +53,7 @@ def read_model_calibration(session: Reading, machine_id: MachineId, calibration_
 )
 @takes_turns_of_its_own
 def request_model_calibration(
-    request: Request, response: Response, machine_id: MachineId, said: schemas.ModelCalibrationIn
+    request: Request, response: Response, machine_id: MachineId, body: schemas.ModelCalibrationIn
 ) -> schemas.ModelCalibrationOut:
     """Calibrate the model from stored runs with known unbalances; a worker computes it, and Location is where it will be.
 
@@ -64,9 +64,9 @@ def request_model_calibration(
         calibration_jobs.require_place(session, machine_id, requester(request))
         revision = machines.get(session, machine_id).revision
         direction = machines.document(session, machine_id, revision).direction
-        asked = [_calibration_run(one, said.disc_scale, direction) for one in said.runs]
-        if said.balancing is not None:
-            asked += _of_a_balancing(session, machine_id, said.balancing)
+        asked = [_calibration_run(one, body.disc_scale, direction) for one in body.runs]
+        if body.balancing is not None:
+            asked += _of_a_balancing(session, machine_id, body.balancing)
 
     def check(process: ModelProcess) -> None:
         with database(request).reading() as reading:
@@ -81,9 +81,9 @@ def request_model_calibration(
             asked,
             requester(request),
             revision=revision,
-            seed=said.seed,
-            by=said.by,
-            comment=said.comment,
+            seed=body.seed,
+            by=body.by,
+            comment=body.comment,
         )
         response.headers["Location"] = f"/api/v1/machines/{machine_id}/model-calibrations/{row.id}"
         return _rendered(session, row)
@@ -93,20 +93,20 @@ def request_model_calibration(
     "/{calibration_id}/in-force", operation_id="put_model_calibration_in_force", dependencies=[ADMIN], responses=CHANGES
 )
 def put_in_force(
-    request: Request, machine_id: MachineId, calibration_id: Number, said: schemas.CalibrationInForceIn
+    request: Request, machine_id: MachineId, calibration_id: Number, body: schemas.CalibrationInForceIn
 ) -> schemas.ModelCalibrationOut:
     """Put an accepted calibration in force, as a revision of the document: every later fit starts from it and is held by it.
 
     What else the document says by now stays; one that describes another train than was calibrated answers 409.
     """
     with database(request).transaction() as session:
-        calibration_jobs.put_in_force(session, machine_id, calibration_id, by=said.by)
+        calibration_jobs.put_in_force(session, machine_id, calibration_id, by=body.by)
         return _rendered(session, model_calibrations.get(session, machine_id, calibration_id))
 
 
-def _calibration_run(said: schemas.CalibrationRunIn, scale: DiscScale, direction: int) -> CalibrationRunAsked:
-    weights = tuple(one.stored(scale, direction) for one in said.weights)
-    return CalibrationRunAsked(said.run, weights, said.mounting, said.steady)
+def _calibration_run(body: schemas.CalibrationRunIn, scale: DiscScale, direction: int) -> CalibrationRunAsked:
+    weights = tuple(one.stored(scale, direction) for one in body.weights)
+    return CalibrationRunAsked(body.run, weights, body.mounting, body.steady)
 
 
 def _of_a_balancing(session: Session, machine_id: str, balancing_id: int) -> list[CalibrationRunAsked]:

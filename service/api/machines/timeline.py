@@ -30,9 +30,9 @@ def read_timeline(session: Reading, machine_id: MachineId, period: Period, pagin
     dependencies=[ANALYST],
     status_code=status.HTTP_201_CREATED,
 )
-def add_timeline_entry(request: Request, machine_id: MachineId, said: schemas.TimelineIn) -> schemas.TimelineOut:
+def add_timeline_entry(request: Request, machine_id: MachineId, body: schemas.TimelineIn) -> schemas.TimelineOut:
     """Add a note, a marker or a maintenance to a machine's timeline; a maintenance begins a new baseline."""
     with database(request).transaction() as session:
         machines.get(session, machine_id)
-        row = baseline_changes.note(session, machine_id, at=instant(said.at), kind=said.kind, text=said.text, by=said.by)
+        row = baseline_changes.note(session, machine_id, at=instant(body.at), kind=body.kind, text=body.text, by=body.by)
         return rendering.timeline_entry(row)

@@ -56,19 +56,19 @@ def read_stages(request: Request, session: Reading) -> Stages:
 
 
 def _acquisition(held: StageFigures, parts: Mapping[str, str]) -> Stage:
-    state, words = _state(parts, "ingest", busy=held.heard_machines > 0, idle="no machine sent samples in the last day")
+    state, words = _state(parts, "ingest", busy=held.sending_machines > 0, idle="no machine sent samples in the last day")
     if state in ("ok", "idle") and parts.get("stream", "ok") != "ok":
         state, words = "degraded", parts["stream"]
     elif state == "ok" and held.rejected:
         state, words = "degraded", "input was rejected: the quarantine says what and why"
-    elif state == "ok" and held.heard_machines < held.machines_now:
-        state, words = "degraded", f"{held.machines_now - held.heard_machines} machines sent nothing in the last day"
+    elif state == "ok" and held.sending_machines < held.machines_now:
+        state, words = "degraded", f"{held.machines_now - held.sending_machines} machines sent nothing in the last day"
     return Stage(
         stage="data_acquisition",
         state=state,
         words=words,
         latest=time_or_none(held.newest_sample),
-        figures=_selected(held, "machines_now", "heard_machines", "rejected", "lost_ever"),
+        figures=_selected(held, "machines_now", "sending_machines", "rejected", "lost_ever"),
     )
 
 

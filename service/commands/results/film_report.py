@@ -135,9 +135,9 @@ def _equilibria(machine: Machine, train: FilmTrain, service_rpm: float) -> Itera
 def journal_states(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[JournalState]:
     """Yield the state of each journal in one equilibrium."""
     for bearing, journal, place, force in zip(machine.bearings, train.bearings, found.position, found.force, strict=True):
-        below = rad_per_s_to_rpm(found.speed) < journal.said.valid_above_rpm
+        below = rad_per_s_to_rpm(found.speed) < journal.described.valid_above_rpm
         load = float(np.hypot(*force))
-        pressure = load / (journal.said.diameter * journal.said.length)
+        pressure = load / (journal.described.diameter * journal.described.length)
         turns = found.speed / (2 * math.pi)
         viscous = float(journal.oil.at(found.speed)) * turns * (journal.radius / journal.clearance) ** 2
         number = viscous / pressure if pressure > 0.0 else math.inf

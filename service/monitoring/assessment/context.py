@@ -78,13 +78,25 @@ class AssessmentBasis:
 
 
 @dataclass(frozen=True)
+class StoredNumbers:
+    """Numbers of an identification that are stored beside its fit, and told with its diagnosis.
+
+    forces: those that findings have as their force, by name, such as `coupling.C1.misalignment_force` [N]; None where one has
+    no value. not_estimable: parameters that it does not determine.
+    """
+
+    forces: Mapping[str, float | None]
+    not_estimable: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class AssessmentContext:
     """The complete input of an assessment of a machine.
 
     baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
     alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
     rule by element. compared: comparison of the newest run, None where it was not accepted. loads: those in its couplings.
-    second_orders: amplitudes of the 2× near running speed, of the probes that measure it.
+    second_orders: amplitudes of the 2× near running speed, of the probes that measure it. numbers: those of the newest run.
     """
 
     machine: Machine
@@ -98,6 +110,7 @@ class AssessmentContext:
     compared: ComparedRuns | None = None
     loads: tuple[ComparedValue, ...] = ()
     second_orders: tuple[ComparedValue, ...] = ()
+    numbers: StoredNumbers = StoredNumbers({}, ())
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
 }
 """One document of each form; a form without one fails the tests."""
 BY_ITSELF = sorted(
-    name for form in FORMS if not form.of_whole_train for name in get_args(form.model_fields["form"].annotation)
+    name for form in FORMS if form.whole_train is None for name in get_args(form.model_fields["form"].annotation)
 )
 """Forms that give the coefficients of each bearing by itself; tests/estimator/statics/test_film_model.py is of the others."""
 SPEED = np.linspace(40.0, 330.0, 13)

@@ -21,7 +21,7 @@ from tests.estimator.trains import Complexes, Document, Floats, chapter_3_docume
 SPEED: Floats = np.arange(10.0, 300.0, 2.0)
 KNOTS = [300.0, 1200.0, 2600.0]
 """[r/min]: 31, 126, 272 rad/s."""
-Truth = Callable[[float, str], float]
+TrueFactor = Callable[[float, str], float]
 """Factor on bearing B2's nominal coefficient of that name at a speed [r/min]."""
 
 
@@ -52,7 +52,7 @@ def stiffening(rpm: float, name: str) -> float:
     return film(rpm, name) if name == "kxx" else 1.0
 
 
-def phasors(machine: Machine, truth: Truth, direction: int = 1, speed: Floats = SPEED) -> Complexes:
+def phasors(machine: Machine, truth: TrueFactor, direction: int = 1, speed: Floats = SPEED) -> Complexes:
     """Full solves, bearing B2's coefficients those of each speed."""
     bearing = machine.bearings[1]
     x = node_of(machine, bearing.shaft, bearing.station)
@@ -71,7 +71,7 @@ def phasors(machine: Machine, truth: Truth, direction: int = 1, speed: Floats = 
     return full_response(machine, speed, direction=direction, at_speed=at_speed)
 
 
-def at_knots(machine: Machine, truth: Truth, names: list[str] | None = None) -> dict[str, complex]:
+def at_knots(machine: Machine, truth: TrueFactor, names: list[str] | None = None) -> dict[str, complex]:
     """True values by the estimates' names: of B2 at the knots, of everything else the nominal ones."""
     values = true_values(machine)
     found: dict[str, complex] = {}
@@ -96,7 +96,7 @@ def assert_recovered(found: Identification, expected: dict[str, complex]) -> Non
 
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize(("form", "law"), [("piecewise", film), ("polynomial", curved)])
-def test_coefficients_are_recovered_at_the_knots(form: str, law: Truth, direction: int) -> None:
+def test_coefficients_are_recovered_at_the_knots(form: str, law: TrueFactor, direction: int) -> None:
     machine = parse_machine(follows(form))
     clean = phasors(machine, law, direction)
     found = identify(machine, Measurement.of(speed=SPEED, phasor=noisy(clean, seed=11), direction=direction))

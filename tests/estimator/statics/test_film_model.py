@@ -54,7 +54,9 @@ def lobed_model(**more: Any) -> FilmModel:
     model = film_model(parse_machine(document(discrepancy=0.0) | more))
     film = Film(three_lobe(preload=0.4), 0.5, table=coarse_table)
     lobed = {"profile": "three_lobe", "preload": 0.4}
-    bearings = tuple(replace(one, film=film, said=one.said.model_copy(update=lobed)) for one in model.own.train.bearings)
+    bearings = tuple(
+        replace(one, film=film, described=one.described.model_copy(update=lobed)) for one in model.own.train.bearings
+    )
     train = replace(model.own.train, bearings=bearings)
     return replace(model, own=replace(model.own, train=train), nominal=replace(model.nominal, train=train))
 

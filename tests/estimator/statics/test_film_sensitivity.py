@@ -25,8 +25,8 @@ def changed(train: FilmTrain, number: int, name: str, step: float) -> FilmTrain:
     if name == "viscosity":
         bearings[number] = replace(one, oil=one.oil.changed(factor=float(np.exp(step)), slope=0.0))
     else:
-        said = one.said.model_copy(update={"radial_clearance": one.said.radial_clearance * float(np.exp(step))})
-        bearings[number] = replace(one, said=said)
+        said = one.described.model_copy(update={"radial_clearance": one.described.radial_clearance * float(np.exp(step))})
+        bearings[number] = replace(one, described=said)
     return replace(train, bearings=tuple(bearings))
 
 

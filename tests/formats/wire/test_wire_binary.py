@@ -39,7 +39,7 @@ from tests.plant import KEY, START, batch, few_examples
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 cells = st.none() | numbers
 
-Cell = TypeVar("Cell")
+BatchValue = TypeVar("BatchValue")
 
 
 @st.composite
@@ -47,7 +47,7 @@ def batches(draw: st.DrawFn) -> SampleBatch:
     """Any batch of the schema, whatever a machine would say to its values."""
     count, channels = draw(st.integers(1, 6)), draw(st.integers(1, 5))
 
-    def table(values: st.SearchStrategy[Cell]) -> st.SearchStrategy[list[list[Cell]]]:
+    def table(values: st.SearchStrategy[BatchValue]) -> st.SearchStrategy[list[list[BatchValue]]]:
         return st.lists(st.lists(values, min_size=channels, max_size=channels), min_size=count, max_size=count)
 
     second, with_gap = draw(st.booleans()), draw(st.booleans())

@@ -25,7 +25,7 @@ from tests.plant import (
     store_identification,
     sweep_rpm,
 )
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 from tests.slow_roll import slow_roll_and_run_down, train_with_run_out
 
 
@@ -91,8 +91,8 @@ def tell(database: Database) -> None:
     rpm = [*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1500.0)]
     one = batch(rpm, sequence=3)
     one.amplitude[0][1] = None
-    journal = PromptJournal(database, Collector())
-    journal.store([arrived(one)], [Rejection(START, "some/key", "pump-7", "bad_frame", "no frame", b"\xff\x00noise")])
+    writer = PromptWriter(database, Collector())
+    writer.store([arrived(one)], [Rejection(START, "some/key", "pump-7", "bad_frame", "no frame", b"\xff\x00noise")])
     with database.transaction() as session:
         for number, (factor, accepted) in enumerate([(1.0, True), (1.1, False), (1.2, True)]):
             outcome = identification(

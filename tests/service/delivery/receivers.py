@@ -22,7 +22,7 @@ LATE_S = 0.05
 
 
 @dataclass(frozen=True)
-class Received:
+class ReceivedRequest:
     """One request."""
 
     path: str
@@ -42,14 +42,14 @@ class Receiver:
     `/held` once `well` is set."""
 
     port: int = 0
-    received: list[Received] = field(default_factory=list)
+    received: list[ReceivedRequest] = field(default_factory=list)
     well: threading.Event = field(default_factory=threading.Event)
     over: threading.Event = field(default_factory=threading.Event)
 
     def url(self, path: str) -> str:
         return f"http://127.0.0.1:{self.port}{path}"
 
-    def at(self, path: str) -> list[Received]:
+    def at(self, path: str) -> list[ReceivedRequest]:
         return [one for one in list(self.received) if one.path == path]
 
 
@@ -58,10 +58,10 @@ def receiver() -> Iterator[Receiver]:
     """A receiver that listens until the block ends."""
     state = Receiver()
 
-    class Handler(BaseHTTPRequestHandler):
+    class ReceivingHandler(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
             body = self.rfile.read(int(self.headers["content-length"]))
-            state.received.append(Received(self.path, {k.lower(): v for k, v in self.headers.items()}, body))
+            state.received.append(ReceivedRequest(self.path, {k.lower(): v for k, v in self.headers.items()}, body))
             kind = self.path.split("/")[1]
             if kind == "hang":
                 state.over.wait(600.0)
@@ -96,11 +96,11 @@ def receiver() -> Iterator[Receiver]:
         def log_message(self, *_: Any) -> None:
             """Say nothing."""
 
-    class Server(ThreadingHTTPServer):
+    class ReceivingServer(ThreadingHTTPServer):
         daemon_threads = True
         request_queue_size = 256
 
-    server = Server(("127.0.0.1", 0), Handler)
+    server = ReceivingServer(("127.0.0.1", 0), ReceivingHandler)
     state.port = server.server_address[1]
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
     thread.start()

@@ -57,7 +57,7 @@ def api(database: Database, process: ModelProcess) -> Api:
     return found
 
 
-class Rig:
+class MiscalibratedPump:
     """A pump whose probes read too much and see a run-out, of which the store holds runs."""
 
     def __init__(self, database: Database) -> None:
@@ -90,7 +90,7 @@ class Rig:
         return found
 
 
-def asked(rig: Rig) -> list[dict[str, object]]:
+def asked(rig: MiscalibratedPump) -> list[dict[str, object]]:
     """The machine as it is, and a run with a weight on each disc."""
     found: list[dict[str, object]] = [{"run": rig.run(0.0 * rig.added(0, 0.0)), "weights": []}]
     for place, disc in enumerate(rig.machine.discs):
@@ -103,7 +103,7 @@ def asked(rig: Rig) -> list[dict[str, object]]:
 def test_a_calibration_is_computed_kept_and_put_in_force(
     database: Database, api: Api, executor: LocalExecutor, *, with_slow_roll: bool
 ) -> None:
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     path = f"/machines/{rig.machine.id}/model-calibrations"
     told = api("POST", path, 202, json={"runs": asked(rig), "by": "Ada", "comment": "after the overhaul"})
     assert (told["state"], told["accepted"], told["in_force"]) == ("queued", None, False)
@@ -151,7 +151,7 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
     assert second["g_mm"] < 2.0 * second["half_width_g_mm"]
 
 
-def _subtract_run_outs(rig: Rig) -> None:
+def _subtract_run_outs(rig: MiscalibratedPump) -> None:
     """Put slow-roll vectors in force that are the run-outs themselves, and a little more."""
     count = len(rig.machine.channels)
     vectors = SlowRoll(1, np.full(count, RUN_OUT + 1e-6), np.zeros(count))
@@ -161,7 +161,7 @@ def _subtract_run_outs(rig: Rig) -> None:
 
 
 def test_a_calibration_that_was_not_accepted_or_is_of_another_train_is_not_put_in_force(database: Database, api: Api) -> None:
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     path = f"/machines/{rig.machine.id}/model-calibrations"
     told = api("POST", path, 202, json={"runs": asked(rig), "by": "Ada"})
     computed: dict[str, Any] = {
@@ -188,7 +188,7 @@ def test_a_calibration_that_was_not_accepted_or_is_of_another_train_is_not_put_i
 
 
 def test_what_is_asked_for_wrongly_is_said_before_it_costs_a_fit(database: Database, api: Api) -> None:
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     path = f"/machines/{rig.machine.id}/model-calibrations"
     right = asked(rig)
     first, second = right[0], right[1]
@@ -223,7 +223,7 @@ def test_what_is_asked_for_wrongly_is_said_before_it_costs_a_fit(database: Datab
 
 
 def test_runs_and_weights_of_a_balancing_calibrate(database: Database, api: Api) -> None:
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     said = asked(rig)
     begun = api("POST", f"/machines/{rig.machine.id}/balancings", 201, json={"runs": [said[0]["run"]], "by": "Ada"})
     path = f"/machines/{rig.machine.id}/model-calibrations"
@@ -240,7 +240,7 @@ def test_runs_and_weights_of_a_balancing_calibrate(database: Database, api: Api)
 def test_runs_are_checked_in_another_process_and_in_no_transaction_and_not_at_all_beyond_the_quota(
     database: Database, api: Api, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     path, said = f"/machines/{rig.machine.id}/model-calibrations", {"runs": asked(rig), "by": "Ada"}
     process, seen = api.app.state.model_process, []
     compute = process.compute
@@ -260,7 +260,7 @@ def test_runs_are_checked_in_another_process_and_in_no_transaction_and_not_at_al
 
 def test_one_asked_for_again_when_samples_are_gone_is_refused_with_the_reason(database: Database, api: Api) -> None:
     """The check of its runs is known by then."""
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     path, calibrating = f"/machines/{rig.machine.id}/model-calibrations", asked(rig)
     said = {"runs": calibrating, "by": "Ada"}
     first = api("POST", path, 202, json=said)
@@ -275,7 +275,7 @@ def test_one_asked_for_again_when_samples_are_gone_is_refused_with_the_reason(da
 def test_a_document_that_changes_while_runs_are_checked_is_told_of(
     database: Database, api: Api, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rig = Rig(database)
+    rig = MiscalibratedPump(database)
     process = api.app.state.model_process
     compute = process.compute
 

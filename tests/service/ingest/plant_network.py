@@ -9,7 +9,7 @@ import zenoh
 from formats.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
 from service.ingest.ingest_thread import Ingest
 from service.journal.batch import ArrivedBatch
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.sequence_gaps import SequenceGap
 from service.journal.source_backoff import SourceBackoff
 from service.recovery.gap_recovery import GapRecovery
@@ -29,7 +29,7 @@ SAMPLES = "rundown/v1/plant-1/pump-7/samples"
 @contextmanager
 def ingesting(router: zenoh.Session, database: Database, *, silence_s: float = 60.0) -> Iterator[Ingest]:
     """A service that takes in samples."""
-    ingest = Ingest(router, Journal(database, Collector()), silence_s=silence_s)
+    ingest = Ingest(router, SampleWriter(database, Collector()), silence_s=silence_s)
     ingest.start()
     try:
         yield ingest
@@ -37,7 +37,7 @@ def ingesting(router: zenoh.Session, database: Database, *, silence_s: float = 6
         ingest.stop()
 
 
-class Confused(Journal):
+class Confused(SampleWriter):
     """Meets an error that nobody foresaw where it looks up one machine."""
 
     def plant_of(self, machine_id: str) -> str | None:
@@ -111,7 +111,7 @@ def rejected(database: Database) -> dict[str, int]:
         return quarantine.counts(session)
 
 
-class Edge:
+class PublishingEdge:
     """A source of the machine that publishes samples at 900 r/min, a second apart."""
 
     def __init__(self, source: Source) -> None:

@@ -37,7 +37,7 @@ from tests.plant import (
     sweep_rpm,
     wait_until,
 )
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 from tests.service.delivery.receivers import receiver, settings, subscribe
 
 ANNA = Person("anna")
@@ -186,24 +186,24 @@ YEAR = 365 * 24 * HOUR
 
 
 @dataclass
-class Source:
+class JumpingSource:
     """One that sends a sample a second, by a clock that is off like the service's."""
 
-    journal: PromptJournal
+    writer: PromptWriter
     by: list[int]
     sequence: int = 0
 
     def send(self, rpm: list[float], *, at: int) -> None:
         """at: time of the first sample by a right clock [ns]."""
         one = batch(rpm, sequence=self.sequence, start=at + self.by[0])
-        self.journal.store([arrived(one, received_at=time.time_ns())], [])
+        self.writer.store([arrived(one, received_at=time.time_ns())], [])
         self.sequence += len(rpm)
 
 
-def ahead_for_seconds(plant: Database, off: list[int]) -> tuple[Source, int]:
+def ahead_for_seconds(plant: Database, off: list[int]) -> tuple[JumpingSource, int]:
     """A source that was at speed before its clock and the service's were a year ahead for eight samples; and now."""
     moment = time.time_ns()
-    source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
+    source = JumpingSource(PromptWriter(plant, Collector(late_s=0.0)), off)
     source.send([1000.0] * 150, at=moment - 1000 * SECOND)
     off[0] = YEAR
     source.send([1480.0] * 8, at=moment)
@@ -227,7 +227,7 @@ def seen(plant: Database, moment: int) -> tuple[str, bool, bool]:
 def test_a_clock_that_was_ahead_does_not_freeze_what_a_machine_does(plant: Database, off: list[int], restarted: bool) -> None:
     source, moment = ahead_for_seconds(plant, off)
     if restarted:
-        source.journal = PromptJournal(plant, Collector(late_s=0.0))
+        source.writer = PromptWriter(plant, Collector(late_s=0.0))
     source.send([700.0] * 10, at=moment + 8 * SECOND)
     assert seen(plant, moment) == ("at speed", True, True)
     assert Api(plant).value("/machines/pump-7/state")["speed_rpm"] == pytest.approx(700.0)
@@ -246,7 +246,7 @@ def test_a_clock_that_was_ahead_does_not_freeze_what_a_machine_does(plant: Datab
 def test_a_run_of_the_future_ends_and_hides_none_of_the_present(plant: Database, off: list[int]) -> None:
     """It was open when the clock was set right."""
     moment = time.time_ns()
-    source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
+    source = JumpingSource(PromptWriter(plant, Collector(late_s=0.0)), off)
     off[0] = YEAR
     source.send([1000.0] * 5 + sweep_rpm(1000.0, 2000.0, 40), at=moment - 100 * SECOND)
     api = Api(plant)
@@ -262,8 +262,8 @@ def test_a_run_of_the_future_ends_and_hides_none_of_the_present(plant: Database,
 
 def test_a_machine_that_falls_silent_is_not_frozen_either(plant: Database, off: list[int]) -> None:
     source, moment = ahead_for_seconds(plant, off)
-    source.journal = PromptJournal(plant, Collector(late_s=0.0))
-    source.journal.settle(silence_s=0.0)
+    source.writer = PromptWriter(plant, Collector(late_s=0.0))
+    source.writer.settle(silence_s=0.0)
     api = Api(plant)
     state = api.value("/machines/pump-7/state")
     assert (state["state"], state["since"]) == ("unknown", None)
@@ -278,7 +278,7 @@ def test_rolling_collection_goes_on_in_the_present(plant: Database, off: list[in
     with plant.transaction() as session:
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": rules}))
     moment = time.time_ns()
-    source = Source(PromptJournal(plant, Collector()), off)
+    source = JumpingSource(PromptWriter(plant, Collector()), off)
     sweep = [*sweep_rpm(400.0, 2900.0, 90), *sweep_rpm(2900.0, 400.0, 90)]
     off[0] = YEAR
     source.send(sweep, at=moment - 400 * SECOND)
@@ -309,13 +309,13 @@ def test_the_age_of_the_newest_sample_is_of_the_present(plant: Database, off: li
 def test_late_samples_stay_late_where_no_clock_was_wrong(plant: Database, off: list[int], hours: int) -> None:
     """Also where the service's own clock is behind: what is a little older is late, and the newest sample is what it was."""
     moment = time.time_ns()
-    source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
+    source = JumpingSource(PromptWriter(plant, Collector(late_s=0.0)), off)
     source.send([1000.0] * 10, at=moment)
     with plant.reading() as session:
         before = state_of(session, KEY.machine)
     off[0] = hours * HOUR
     one = batch([900.0] * 10, sequence=source.sequence, start=moment - 24 * HOUR, source="other")
-    source.journal.store([arrived(one, received_at=moment)], [])
+    source.writer.store([arrived(one, received_at=moment)], [])
     with plant.reading() as session:
         after = state_of(session, KEY.machine)
     assert before is not None

@@ -10,7 +10,7 @@ from sqlalchemy.exc import OperationalError
 from formats.wire import ALL_LIVE, Key
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as recovery_module
@@ -90,7 +90,7 @@ def test_what_waits_of_a_source_with_a_log_is_left_to_the_log_when_shares_change
     assert fetching.waiting == {}
 
 
-class AwayInTheReview(Journal):
+class AwayInTheReview(SampleWriter):
     """Its database goes away once, where what waited is to be taken."""
 
     away = False
@@ -114,8 +114,8 @@ def test_a_review_that_the_database_interrupted_is_done_again(
 ) -> None:
     monkeypatch.setattr(ingest_module, "RETRY_S", 0.05)
     monkeypatch.setattr(recovery_module, "PATIENCE_S", 3600.0)
-    journal, share = AwayInTheReview(plant, Collector()), Moving()
-    ingest = Ingest(router, journal, silence_s=60.0, share=share)
+    writer, share = AwayInTheReview(plant, Collector()), Moving()
+    ingest = Ingest(router, writer, silence_s=60.0, share=share)
     with ExitStack() as until:
         ingest.start()
         until.callback(ingest.stop)
@@ -124,10 +124,10 @@ def test_a_review_that_the_database_interrupted_is_done_again(
         wait_until(lambda: received(plant) == 5)
         put_batch(client, 10, 15)
         wait_until(lambda: len(ingest._cycle.recovery.waiting) == 1)
-        journal.away = True
+        writer.away = True
         share.changes += 1
         wait_until(lambda: counts(plant) == (15, 10, 5))
-    assert not journal.away
+    assert not writer.away
 
 
 class Unreachable:
@@ -147,7 +147,7 @@ def test_what_waits_for_a_log_that_cannot_be_asked_is_not_put_aside_as_well() ->
 
 def test_a_pause_is_not_undone_by_what_was_held_before_it(plant: Database) -> None:
     backoff = SourceBackoff()
-    held = WriteBatch(Journal(plant, Collector()), backoff)
+    held = WriteBatch(SampleWriter(plant, Collector()), backoff)
     one = arrived(batch([900.0] * 5))
     held.take(one)
     backoff.failed(one.source)

@@ -14,7 +14,7 @@ from service.ingest.ingest_thread import Ingest
 from service.journal import single_writes
 from service.journal.batch import StoreOutcome
 from service.journal.http_queue import NotStoring, Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.sequence_gaps import SequenceGap
 from service.recovery import gap_recovery as recovery_module
 from service.recovery import known_logs
@@ -27,10 +27,10 @@ from storage.machines import machines
 from storage.tables.machines import RevisionRow
 from storage.tables.measurements import CollectorRow
 from tests.plant import KEY, batch, machine, wait_until
-from tests.service.ingest.failing_journals import AWAY, Partial, counts_of, running
+from tests.service.ingest.failing_writers import AWAY, Partial, counts_of, running
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
-    Edge,
+    PublishingEdge,
     counts,
     heard,
     put_batch,
@@ -74,7 +74,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
     plant: Database,
     ingest: Ingest,
     client: zenoh.Session,
-    edge: Edge,
+    edge: PublishingEdge,
     monkeypatch: pytest.MonkeyPatch,
     most_tries: int,
     fewest: int,
@@ -130,7 +130,7 @@ def test_a_batch_over_http_that_cannot_be_looked_at_holds_up_no_other(router: ze
         session.scalars(select(RevisionRow).where(RevisionRow.machine_id == KEY.machine)).one().document = {}
     submissions = Submissions()
     with ExitStack() as until:
-        ingest = running(router, Journal(plant, Collector()), submissions, until)
+        ingest = running(router, SampleWriter(plant, Collector()), submissions, until)
         for _ in range(3):
             with pytest.raises(NotStoring, match="log has it"):
                 offer(submissions, KEY.machine)
@@ -164,10 +164,12 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
 ) -> None:
     """Also where it has fallen silent by then."""
     monkeypatch.setattr(backoff_module, "FIRST_PAUSE_S", 0.5)
-    journal = Partial(plant, Collector())
+    writer = Partial(plant, Collector())
     with ExitStack() as until:
-        ingest = running(router, journal, Submissions(), until)
-        failing, working = (Edge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working"))
+        ingest = running(router, writer, Submissions(), until)
+        failing, working = (
+            PublishingEdge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working")
+        )
         wait_until(lambda: heard(client))
         while ingest._cycle.backoff.accepts(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
             failing.publish(1)
@@ -176,13 +178,13 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
         assert failing.source.sequence < 30
         working.publish(5)
         wait_until(lambda: received(plant) == working.source.sequence)
-        journal.broken = False
+        writer.broken = False
         wait_until(lambda: received(plant) == working.source.sequence + failing.source.sequence)
         assert ingest.trouble is None
     assert {row.source: row.lost for row in rows(plant)} == {"failing": 0, "working": 0}
 
 
-class Forgetful(Journal):
+class Forgetful(SampleWriter):
     """Cannot tell how far one source has come."""
 
     def next_sequence(self, source: SourceKey) -> int:
@@ -214,7 +216,7 @@ def test_sources_with_logs_of_which_nothing_can_be_told_stop_no_other(
     with ExitStack() as until:
         ingest = running(router, Forgetful(plant, Collector()), Submissions(), until)
         for number in range(3):
-            Edge(until.enter_context(Source(client, KEY, name=f"failing-{number}"))).publish(5)
+            PublishingEdge(until.enter_context(Source(client, KEY, name=f"failing-{number}"))).publish(5)
         wait_until(lambda: heard(client))
         for _ in range(20):
             lossy.publish(dropped=True)
@@ -223,7 +225,7 @@ def test_sources_with_logs_of_which_nothing_can_be_told_stop_no_other(
         wait_until(lambda: received(plant) == 100)
 
 
-class Interrupted(Journal):
+class InterruptedWriter(SampleWriter):
     """Cannot tell what is missing once, for the database is away."""
 
     interrupted = False
@@ -240,9 +242,9 @@ def test_a_question_for_what_was_lost_outlives_a_database_that_goes_away(
 ) -> None:
     monkeypatch.setattr(recovery_module, "PATIENCE_S", 0.3)
     monkeypatch.setattr(known_logs, "SILENCE_S", 3600.0)
-    journal = Interrupted(plant, Collector())
+    writer = InterruptedWriter(plant, Collector())
     with ExitStack() as until:
-        running(router, journal, Submissions(), until)
+        running(router, writer, Submissions(), until)
         wait_until(lambda: heard(client))
         lossy.publish()
         wait_until(lambda: received(plant) == 5)
@@ -250,13 +252,13 @@ def test_a_question_for_what_was_lost_outlives_a_database_that_goes_away(
         for dropped in (True, True, False):
             lossy.publish(dropped=dropped)
         wait_until(lambda: counts(plant) == (20, 10, 10))
-        journal.interrupted = True
+        writer.interrupted = True
         lossy.come()
         wait_until(lambda: counts(plant) == (20, 20, 0))
-    assert not journal.interrupted
+    assert not writer.interrupted
 
 
-class NeverClosing(Journal):
+class NeverClosing(SampleWriter):
     """Cannot close runs, for the database refuses."""
 
     def end_silent(self, **_: object) -> None:

@@ -13,7 +13,7 @@ from service.ingest import ingest_thread as ingest_module
 from service.journal import single_writes
 from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring, Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as recovery_module
@@ -24,11 +24,11 @@ from storage.encoding.source_key import SourceKey
 from storage.measurements.quarantine import Rejection
 from tests.failing_writes import refuse
 from tests.plant import KEY, arrived, batch, wait_until
-from tests.service.ingest.failing_journals import AWAY, AwayForOne, running
+from tests.service.ingest.failing_writers import AWAY, AwayForOne, running
 from tests.service.ingest.plant_network import (
     Confused,
     DroppedOnTheWay,
-    Edge,
+    PublishingEdge,
     counts,
     heard,
     ingesting,
@@ -64,7 +64,7 @@ def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
     assert {row.source: row.received for row in rows(plant)} == {"working": 1}
 
 
-class FirstThreeFail(Journal):
+class FirstThreeFail(SampleWriter):
     """Meets an error that nobody foresaw with what a source sent first."""
 
     def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
@@ -86,7 +86,7 @@ def test_behind_many_that_cannot_be_stored_those_that_can_are_reached(
     assert counts(plant) == (30, 15, 15)
 
 
-class Failing(Journal):
+class Failing(SampleWriter):
     """Meets these errors when it stores, one each time, then none."""
 
     def __init__(self, database: Database, *errors: Exception) -> None:
@@ -105,15 +105,15 @@ HELD = IntegrityError("INSERT", {}, Exception("a constraint"))
 def test_a_database_that_goes_away_while_messages_are_stored_one_by_one(
     router: zenoh.Session, plant: Database, client: zenoh.Session
 ) -> None:
-    journal, submissions = Failing(plant, HELD, AWAY, AWAY), Submissions()
+    writer, submissions = Failing(plant, HELD, AWAY, AWAY), Submissions()
     with ExitStack() as until:
-        ingest = running(router, journal, submissions, until)
+        ingest = running(router, writer, submissions, until)
         wait_until(lambda: heard(client))
         for source in ("one", "other"):
             put(client, encode_batch(batch([900.0] * 5, source=source)))
         wait_until(lambda: received(plant) == 10)
         assert ingest.alive
-        assert journal.errors == []
+        assert writer.errors == []
         assert rejected(plant) == {}
         wait_until(lambda: ingest.trouble is None)
 
@@ -156,7 +156,7 @@ def test_a_message_that_cannot_be_checked_is_put_aside_by_itself(
     assert rejected(plant) == {"unexpected_error": 5}
 
 
-class Blind(Journal):
+class Blind(SampleWriter):
     """Cannot look something up the first time."""
 
     blind = True
@@ -192,7 +192,7 @@ def received_of(database: Database) -> dict[str, tuple[int, int]]:
 
 
 def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
-    router: zenoh.Session, plant: Database, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
+    router: zenoh.Session, plant: Database, client: zenoh.Session, edge: PublishingEdge, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(recovery_module, "PATIENCE_S", 3600.0)
     with ingesting(router, plant) as ingest:
@@ -208,7 +208,7 @@ def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
     assert received_of(plant) == {source: (5, 5), "seen": (5, 5), "without-a-log": (105, 5)}
 
 
-class AwayAtTheEnd(Journal):
+class AwayAtTheEnd(SampleWriter):
     """Its database is away until the service ends, and then for so many tries more."""
 
     def __init__(self, database: Database, tries: int) -> None:
@@ -233,13 +233,13 @@ def test_what_the_database_refuses_at_the_end_is_tried_once_more(
     stored: int,
 ) -> None:
     monkeypatch.setattr(ingest_module, "RETRY_S", 0.5)
-    journal = AwayAtTheEnd(plant, tries)
+    writer = AwayAtTheEnd(plant, tries)
     with ExitStack() as until:
-        ingest = running(router, journal, Submissions(), until)
+        ingest = running(router, writer, Submissions(), until)
         wait_until(lambda: heard(client))
         put_batch(client, 0, 5)
         wait_until(lambda: ingest.trouble is not None)
-        journal.ending = True
+        writer.ending = True
     assert received(plant) == stored
     assert ("1 messages are not stored" in caplog.text) == (stored == 0)
 

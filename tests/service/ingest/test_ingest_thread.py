@@ -13,7 +13,7 @@ from service.ingest.ingest_thread import Ingest
 from storage.database.engine import Database
 from storage.measurements import runs
 from tests.plant import KEY, batch, sweep_rpm, wait_until
-from tests.service.ingest.plant_network import Edge, counts, heard, ingesting, put, put_batch, received
+from tests.service.ingest.plant_network import PublishingEdge, counts, heard, ingesting, put, put_batch, received
 
 
 def test_silence_closes_a_run(router: zenoh.Session, plant: Database, client: zenoh.Session) -> None:
@@ -44,7 +44,7 @@ def test_what_is_queued_is_stored_before_the_service_stops(
 
 
 def test_a_database_that_refuses_is_tried_again(
-    plant: Database, ingest: Ingest, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
+    plant: Database, ingest: Ingest, client: zenoh.Session, edge: PublishingEdge, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ingest_module, "RETRY_S", 0.05)
     wait_until(lambda: heard(client))

@@ -18,7 +18,7 @@ from storage.measurements import quarantine, runs
 from storage.tables.measurements import QuarantineRow, RunRow, SampleBlockRow
 from tests.failing_writes import refuse
 from tests.plant import START, arrived, batch, machine, sweep_rpm
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 DOWN, STANDSTILL = sweep_rpm(2990.0, 310.0), [250.0] * 2
 
@@ -31,10 +31,10 @@ def two(plant: Database) -> Database:
     return plant
 
 
-def coast_down(journal: PromptJournal, *names: str, first: int = 0, last: int = 30) -> None:
+def coast_down(writer: PromptWriter, *names: str, first: int = 0, last: int = 30) -> None:
     for name in names:
         one = batch([*DOWN, *STANDSTILL][first:last], machine=name, sequence=first, start=START + first * 10**9)
-        journal.store([arrived(one)], [])
+        writer.store([arrived(one)], [])
 
 
 def run_of(database: Database, name: str) -> RunRow:
@@ -55,10 +55,10 @@ def damage_the_blocks(database: Database, name: str) -> None:
             row.data = row.data[:-1] + bytes([row.data[-1] ^ 0xFF])
 
 
-def test_a_block_that_cannot_be_read_is_left_out_of_its_run(plant: Database, journal: PromptJournal) -> None:
-    coast_down(journal, "pump-7", last=4)
+def test_a_block_that_cannot_be_read_is_left_out_of_its_run(plant: Database, writer: PromptWriter) -> None:
+    coast_down(writer, "pump-7", last=4)
     damage_the_blocks(plant, "pump-7")
-    coast_down(journal, "pump-7", first=4, last=42)
+    coast_down(writer, "pump-7", first=4, last=42)
     run = run_of(plant, "pump-7")
     assert (run.state, run.count) == (runs.CLOSED, 36)
     with plant.reading() as session:
@@ -69,63 +69,63 @@ def test_a_block_that_cannot_be_read_is_left_out_of_its_run(plant: Database, jou
     assert "checksum" in rejection.detail
 
 
-def test_a_closing_that_was_not_stored_is_done_again(plant: Database, journal: PromptJournal) -> None:
-    coast_down(journal, "pump-7")
+def test_a_closing_that_was_not_stored_is_done_again(plant: Database, writer: PromptWriter) -> None:
+    coast_down(writer, "pump-7")
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE identification_jobs RENAME TO away"))
     with pytest.raises(DBAPIError, match="identification_jobs"):
-        journal.settle(silence_s=0.0)
+        writer.settle(silence_s=0.0)
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE away RENAME TO identification_jobs"))
     assert run_of(plant, "pump-7").state == runs.ENDED
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert run_of(plant, "pump-7").state == runs.CLOSED
 
 
 def test_a_machine_that_cannot_be_closed_holds_up_no_other(
-    two: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+    two: Database, writer: PromptWriter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(silence, "LONGEST_ENDING_S", 60.0)  # on a busy machine the second one would be left to the next call
-    coast_down(journal, "pump-7", "pump-8")
+    coast_down(writer, "pump-7", "pump-8")
     with two.transaction() as session:
         refuse(session, "runs", write="UPDATE", when="NEW.machine_id = 'pump-7'")
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert [run_of(two, name).state for name in ("pump-7", "pump-8")] == [runs.OPEN, runs.CLOSED]
     (rejection,) = rejections(two)
     assert (rejection.reason, rejection.key) == ("unexpected_error", "runs of pump-7")
     assert "refused by the test" in rejection.detail
     with two.transaction() as session:
         session.execute(text("DROP TRIGGER refuse" + (" ON runs" if two.kind == "postgresql" else "")))
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert run_of(two, "pump-7").state == runs.OPEN, "tried again without a pause"
     now = time.monotonic()
     monkeypatch.setattr(time, "monotonic", lambda: now + backoff.FIRST_PAUSE_S)
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert run_of(two, "pump-7").state == runs.CLOSED
 
 
-def test_machines_of_which_nothing_is_to_be_done_are_looked_at_together(plant: Database, journal: PromptJournal) -> None:
+def test_machines_of_which_nothing_is_to_be_done_are_looked_at_together(plant: Database, writer: PromptWriter) -> None:
     with plant.transaction() as session:
         for number in range(AT_ONCE + 10):
             machines.create(session, machine(id=f"idle-{number}"))
-    coast_down(journal, "pump-7")
+    coast_down(writer, "pump-7")
     asked: list[str] = []
     event.listen(plant.engine, "before_cursor_execute", lambda *args: asked.append(args[2]))
     event.listen(plant.engine, "savepoint", lambda *_: asked.append("SAVEPOINT"))
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert run_of(plant, "pump-7").state == runs.CLOSED
     assert asked.count("SAVEPOINT") == 1, "of one machine something is to be done"
     assert len([query for query in asked if "collectors" in query]) < 10
     asked.clear()
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert not [query for query in asked if "collectors" in query]
 
 
-def test_what_the_look_at_all_cannot_read_is_looked_at_alone(two: Database, journal: PromptJournal) -> None:
-    coast_down(journal, "pump-7", "pump-8")
+def test_what_the_look_at_all_cannot_read_is_looked_at_alone(two: Database, writer: PromptWriter) -> None:
+    coast_down(writer, "pump-7", "pump-8")
     with two.transaction() as session:
         session.execute(text("UPDATE collectors SET state = '{}' WHERE machine_id = 'pump-7'"))
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     assert run_of(two, "pump-7").state == runs.OPEN
     assert run_of(two, "pump-8").state == runs.CLOSED
     told = {(one.reason, one.machine_id, one.detail.split(";")[0]) for one in rejections(two)}
@@ -155,17 +155,17 @@ def test_failures_may_be_free() -> None:
 
 
 def test_a_late_sample_takes_nothing_from_a_run_whose_blocks_were_damaged(plant: Database) -> None:
-    journal = PromptJournal(plant, Collector(late_s=0.0))
-    coast_down(journal, "pump-7", last=10)
-    coast_down(journal, "pump-7", first=11, last=42)
+    writer = PromptWriter(plant, Collector(late_s=0.0))
+    coast_down(writer, "pump-7", last=10)
+    coast_down(writer, "pump-7", first=11, last=42)
     run = run_of(plant, "pump-7")
     assert (run.state, run.count) == (runs.CLOSED, 39)
     with plant.transaction() as session:
         row = session.scalars(select(SampleBlockRow).order_by(SampleBlockRow.id)).first()
         assert row is not None
         row.data = row.data[:-1]
-    coast_down(journal, "pump-7", first=10, last=11)
-    journal.settle(silence_s=3600.0)
+    coast_down(writer, "pump-7", first=10, last=11)
+    writer.settle(silence_s=3600.0)
     kept = run_of(plant, "pump-7")
     assert (kept.state, kept.count, kept.times_reopened) == (runs.CLOSED, 39, None)
     with plant.reading() as session:

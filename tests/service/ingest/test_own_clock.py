@@ -11,7 +11,7 @@ import zenoh
 from formats.wire import JSON, encode_body
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.runs.collector import Collector
 from service.sources.publisher import Source
 from storage.database.engine import Database
@@ -64,7 +64,7 @@ class Live:
 @contextmanager
 def running(router: zenoh.Session, plant: Database, off: list[int]) -> Iterator[Live]:
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=600.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=600.0, submissions=submissions)
     ingest.start()
     try:
         yield Live(plant, ingest, submissions, off)
@@ -156,9 +156,9 @@ def test_one_source_that_is_ahead_stops_nobody(plant: Database, client: zenoh.Se
 
 def test_a_machine_whose_samples_wait_has_not_fallen_silent(plant: Database, off: list[int]) -> None:
     collector = Collector()
-    journal = Journal(plant, collector)
+    writer = SampleWriter(plant, collector)
     assert not collector.has_fallen_silent(KEY.machine, silence_s=0.2, alive=False)
     time.sleep(0.3)
-    journal.note_activity(KEY.machine)
+    writer.note_activity(KEY.machine)
     assert not collector.has_fallen_silent(KEY.machine, silence_s=0.2, alive=False)
     assert off == [0]

@@ -65,7 +65,15 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
 @pytest.mark.parametrize(
     ("module", "known"),
     [
-        ("service.monitoring.context_loading", {"estimator.machine.document", "estimator.trends.parameter_vector"}),
+        (
+            "service.monitoring.context_loading",
+            {
+                "estimator.machine.document",
+                "estimator.machine.parameter_description",
+                "estimator.machine.parameter_description.describe",  # a name in its parts
+                "estimator.trends.parameter_vector",
+            },
+        ),
         ("service.monitoring.conclusions", set[str]()),
         ("service.monitoring.assessment_queue", set[str]()),
         ("service.alerts.transitions", set[str]()),

@@ -9,7 +9,7 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import samples as sample_store
 from tests.plant import SECOND, START, arrived, batch, machine, sweep_rpm
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 SPEEDS = sweep_rpm(900.0, 1200.0, 30)
 
@@ -20,9 +20,9 @@ def piece(number: int) -> ArrivedBatch:
 
 
 def test_what_is_stored_was_converted_outside_of_the_transaction(
-    plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+    plant: Database, writer: PromptWriter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    journal.store([piece(0)], [])  # the document is known from here on
+    writer.store([piece(0)], [])  # the document is known from here on
     within: list[bool] = []
 
     def noting(*given: object, **more: object) -> object:
@@ -30,14 +30,14 @@ def test_what_is_stored_was_converted_outside_of_the_transaction(
         return to_samples(*given, **more)  # type: ignore[arg-type]
 
     monkeypatch.setattr(batches, "to_samples", noting)
-    journal.store([piece(1), piece(2)], [])
+    writer.store([piece(1), piece(2)], [])
     assert within == [False, False]
     with plant.reading() as session:
         assert len(sample_store.latest(session, "pump-7", revision=1, count=100)) == 30
 
 
-def test_a_batch_converted_before_its_document_was_revised_is_converted_again(plant: Database, journal: PromptJournal) -> None:
-    journal.store([piece(0)], [])
+def test_a_batch_converted_before_its_document_was_revised_is_converted_again(plant: Database, writer: PromptWriter) -> None:
+    writer.store([piece(0)], [])
     waits = piece(1)
     first = machine()
     before = waits.converted(1, first)
@@ -45,7 +45,7 @@ def test_a_batch_converted_before_its_document_was_revised_is_converted_again(pl
     with plant.transaction() as session:
         changed = tuple(reversed(first.probes))
         machines.revise(session, first.model_copy(update={"probes": changed}))
-    journal.store([waits], [])
+    writer.store([waits], [])
     with plant.reading() as session:
         stored = sample_store.latest(session, "pump-7", revision=2, count=100)
     assert len(stored) == 10
@@ -54,15 +54,15 @@ def test_a_batch_converted_before_its_document_was_revised_is_converted_again(pl
 
 @pytest.mark.usefixtures("plant")
 def test_there_is_a_pause_after_a_conversion_and_none_where_nothing_was_converted(
-    journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+    writer: PromptWriter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Pauses for nothing would use up the time that a cycle has for them."""
-    journal.store([piece(0)], [])
+    writer.store([piece(0)], [])
     pauses: list[None] = []
-    monkeypatch.setattr(journal.pacing, "pause", lambda: pauses.append(None))
-    journal.store([piece(1)], [])
+    monkeypatch.setattr(writer.pacing, "pause", lambda: pauses.append(None))
+    writer.store([piece(1)], [])
     with_conversion = len(pauses)
     waits = piece(2)
     waits.converted(1, machine())
-    journal.store([waits], [])
+    writer.store([waits], [])
     assert len(pauses) - with_conversion == with_conversion - 1

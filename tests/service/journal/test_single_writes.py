@@ -14,7 +14,7 @@ from service.ingest.ingest_thread import Ingest
 from service.journal import single_writes, write_batch
 from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.replication.work_share import lease_of
@@ -27,7 +27,7 @@ from tests.service.ingest.plant_network import counts, heard, put_batch, receive
 AWAY = OperationalError("INSERT", {}, Exception("the server went away"))
 
 
-class OnlyAlone(Journal):
+class OnlyAlone(SampleWriter):
     """Cannot store several batches at once, nor any of a source that fails; once it is away where it stores one."""
 
     def __init__(self, database: Database, *, seconds: float = 0.0) -> None:
@@ -54,15 +54,15 @@ def backoff() -> SourceBackoff:
 
 
 @pytest.fixture
-def journal(plant: Database) -> OnlyAlone:
+def writer(plant: Database) -> OnlyAlone:
     return OnlyAlone(plant)
 
 
 @pytest.fixture
-def held(journal: OnlyAlone, backoff: SourceBackoff, monkeypatch: pytest.MonkeyPatch) -> WriteBatch:
+def held(writer: OnlyAlone, backoff: SourceBackoff, monkeypatch: pytest.MonkeyPatch) -> WriteBatch:
     """A write batch that stores one batch in a turn."""
     monkeypatch.setattr(write_batch, "LONGEST_TURN_S", 0.0)
-    return WriteBatch(journal, backoff)
+    return WriteBatch(writer, backoff)
 
 
 def one(sequence: int, source: str = "monitor") -> ArrivedBatch:
@@ -87,27 +87,27 @@ def turns_until_stored(held: WriteBatch) -> int:
 
 
 def test_a_turn_ends_when_its_time_is_over_and_what_comes_meanwhile_follows_in_order(
-    plant: Database, journal: OnlyAlone, held: WriteBatch
+    plant: Database, writer: OnlyAlone, held: WriteBatch
 ) -> None:
     promises = take(held, 0, 5)
     held.store()
-    assert (len(journal.alone), len(held)) == (1, 4)
+    assert (len(writer.alone), len(held)) == (1, 4)
     later = take(held, 5, 6)
     held.store()
-    assert (len(journal.alone), len(held)) == (2, 4)
+    assert (len(writer.alone), len(held)) == (2, 4)
     assert turns_until_stored(held) == 4
-    assert journal.alone == [("monitor", sequence) for sequence in range(6)]
+    assert writer.alone == [("monitor", sequence) for sequence in range(6)]
     assert [promise.result(0.0).received for promise in promises + later] == [1] * 6
     assert counts(plant) == (6, 6, 0)
 
 
 def test_as_much_is_stored_in_a_turn_as_there_is_time_for(
-    plant: Database, journal: OnlyAlone, held: WriteBatch, monkeypatch: pytest.MonkeyPatch
+    plant: Database, writer: OnlyAlone, held: WriteBatch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(write_batch, "LONGEST_TURN_S", 60.0)
     take(held, 0, 10)
     held.store()
-    assert (len(journal.alone), len(held)) == (10, 0)
+    assert (len(writer.alone), len(held)) == (10, 0)
     assert received(plant) == 10
 
 
@@ -128,11 +128,11 @@ def test_what_a_source_sent_while_it_failed_is_left_to_its_log_when_it_is_paused
 
 
 def test_a_database_that_goes_away_between_two_turns_loses_nothing(
-    plant: Database, journal: OnlyAlone, held: WriteBatch
+    plant: Database, writer: OnlyAlone, held: WriteBatch
 ) -> None:
     promises = take(held, 0, 4)
     held.store()
-    journal.away = True
+    writer.away = True
     with pytest.raises(OperationalError):
         held.store()
     assert len(held) == 3
@@ -179,18 +179,18 @@ def test_ingest_goes_on_while_batches_are_stored_one_by_one(
     router: zenoh.Session, plant: Database, client: zenoh.Session
 ) -> None:
     """Sixty of 0.03 s each: in one go they would hold up a cycle for two seconds."""
-    journal = OnlyAlone(plant, seconds=0.03)
-    ingest = Ingest(router, journal, silence_s=60.0)
+    writer = OnlyAlone(plant, seconds=0.03)
+    ingest = Ingest(router, writer, silence_s=60.0)
     with ExitStack() as until:
         ingest.start()
         until.callback(ingest.stop)
         wait_until(lambda: heard(client))
         for number in range(60):
             put_batch(client, number, number + 1)
-        wait_until(lambda: len(journal.alone) >= 5)
+        wait_until(lambda: len(writer.alone) >= 5)
         answers = [answer for answer in client.get(KEY.received, timeout=5.0) if answer.ok is not None]
         assert len(answers) == 1
-        assert len(journal.alone) < 60, "it was answered when all were stored"
+        assert len(writer.alone) < 60, "it was answered when all were stored"
         wait_until(lambda: received(plant) == 60)
         assert ingest.trouble is None
         assert ingest.gauges["rundown_ingest_longest_cycle_seconds"] < 1.0

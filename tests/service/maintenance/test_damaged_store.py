@@ -16,7 +16,7 @@ from service.configuration.settings import Settings
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_tiers import Tier
 from service.maintenance.store_check import StoreCheck
@@ -120,7 +120,7 @@ def test_it_is_told_until_a_check_is_clean_also_behind_a_restart(path: Path, tmp
 
 def test_samples_of_the_others_are_stored(database: Database, router: zenoh.Session) -> None:
     submissions = Submissions()
-    ingest = Ingest(router, Journal(database, Collector()), silence_s=60.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(database, Collector()), silence_s=60.0, submissions=submissions)
     ingest.start()
     api = Api(database, submissions=submissions)
 

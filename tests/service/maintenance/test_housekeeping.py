@@ -42,7 +42,7 @@ from tests.plant import (
     sweep_rpm,
     wait_until,
 )
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 DAYS = 60
 
@@ -68,11 +68,11 @@ def confirmed(database: Database, **settings: Any) -> Settings:
     return given
 
 
-def feed(journal: PromptJournal, first_day: int, last_day: int) -> None:
+def feed(writer: PromptWriter, first_day: int, last_day: int) -> None:
     """Ten samples at standstill each day."""
     for day in range(first_day, last_day):
         one = batch([0.0] * 10, sequence=10 * day, start=START + day * DAY_NS)
-        journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
+        writer.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
 
 
 def days(database: Database) -> list[int]:
@@ -102,17 +102,17 @@ def with_samples(database: Database) -> list[int]:
 # --- blocks ---------------------------------------------------------------------------------------------------------
 
 
-def test_nothing_is_let_go_of_unless_asked_for(plant: Database, journal: PromptJournal) -> None:
-    feed(journal, 0, DAYS)
+def test_nothing_is_let_go_of_unless_asked_for(plant: Database, writer: PromptWriter) -> None:
+    feed(writer, 0, DAYS)
     made = add_runs(plant, DAYS)
     kept(plant)
     assert days(plant) == list(range(DAYS))
     assert with_samples(plant) == made
 
 
-def test_old_blocks_go_in_small_transactions(plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_old_blocks_go_in_small_transactions(plant: Database, writer: PromptWriter, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(retention_tiers, "BLOCKS", 7)
-    feed(journal, 0, DAYS)
+    feed(writer, 0, DAYS)
     done = kept(plant, raw_days=30)
     assert days(plant) == list(range(DAYS - 31, DAYS))
     assert done.released[Blocks.name] == DAYS - 31
@@ -120,13 +120,13 @@ def test_old_blocks_go_in_small_transactions(plant: Database, journal: PromptJou
         assert machines.get(session, KEY.machine).blocks_since == START + (DAYS - 32) * DAY_NS + 9 * SECOND + 1
 
 
-def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Database, journal: PromptJournal) -> None:
+def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Database, writer: PromptWriter) -> None:
     with plant.transaction() as session:
         machines.create(session, machine(id="a-fan"))
     for day in (0, DAYS):
         one = batch([0.0] * 10, machine="a-fan", sequence=day, start=START + day * DAY_NS)
-        journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
-    feed(journal, 0, DAYS)
+        writer.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
+    feed(writer, 0, DAYS)
     with plant.transaction() as session:
         session.get_one(CollectorRow, "a-fan").state = {"revision": 1, "seen": "yesterday", "late": "never"}
     keeping = Housekeeping(plant, confirmed(plant, raw_days=30))
@@ -135,25 +135,25 @@ def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Dat
     assert keeping.released[Blocks.name] == DAYS - 31
 
 
-def test_a_machine_that_was_off_loses_nothing(plant: Database, journal: PromptJournal) -> None:
+def test_a_machine_that_was_off_loses_nothing(plant: Database, writer: PromptWriter) -> None:
     """Its newest sample is years old."""
-    feed(journal, 0, 20)
+    feed(writer, 0, 20)
     kept(plant, raw_days=30)
     assert days(plant) == list(range(20))
 
 
-def test_the_blocks_of_an_open_run_are_kept(plant: Database, journal: PromptJournal) -> None:
-    feed(journal, 0, 10)
+def test_the_blocks_of_an_open_run_are_kept(plant: Database, writer: PromptWriter) -> None:
+    feed(writer, 0, 10)
     with plant.transaction() as session:
         runs.open_run(session, KEY.machine, revision=1, kind="run-up", direction=1, time_first=START + 4 * DAY_NS)
-    feed(journal, 10, DAYS)
+    feed(writer, 10, DAYS)
     kept(plant, raw_days=1)
     assert days(plant) == list(range(4, DAYS))
 
 
-def test_the_blocks_that_late_samples_wait_for_are_kept(plant: Database, journal: PromptJournal) -> None:
-    feed(journal, 5, DAYS)
-    feed(journal, 3, 4)
+def test_the_blocks_that_late_samples_wait_for_are_kept(plant: Database, writer: PromptWriter) -> None:
+    feed(writer, 5, DAYS)
+    feed(writer, 3, 4)
     kept(plant, raw_days=1)
     assert days(plant) == [3, *range(5, DAYS)]
 
@@ -162,32 +162,32 @@ def test_the_blocks_in_speed_bins_are_kept(plant: Database) -> None:
     rules = {"interval_s": 10**7, "coverage": 0.9, "recency_s": 10**7}
     with plant.transaction() as session:
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": rules}))
-    journal = PromptJournal(plant, Collector())
+    writer = PromptWriter(plant, Collector())
     for day in range(10):
         one = batch([900.0 + 10 * day] * 10, sequence=10 * day, start=START + day * DAY_NS)
-        journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
+        writer.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
     kept(plant, raw_days=1)
     assert days(plant)[0] <= 1
 
 
 def test_late_samples_do_not_spoil_a_run_whose_blocks_are_gone(plant: Database) -> None:
     sweep = sweep_rpm(2900.0, 400.0, 60)
-    journal = PromptJournal(plant, Collector(late_s=0.0))
+    writer = PromptWriter(plant, Collector(late_s=0.0))
 
     def send(first: int, last: int) -> None:
         one = batch(sweep[first:last], sequence=first, start=START + first * SECOND)
-        journal.store([arrived(one)], [])
+        writer.store([arrived(one)], [])
 
     send(0, 30)
     send(35, 60)
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     with plant.reading() as session:
         (before,) = runs.of_machine(session, KEY.machine)
         assert before.count == 55
     with plant.transaction() as session:
         assert retention.release_blocks(session, KEY.machine, before=START + DAY_NS, limit=10) == 2
     send(30, 35)
-    journal.settle(silence_s=0.0)
+    writer.settle(silence_s=0.0)
     with plant.reading() as session:
         (after,) = runs.of_machine(session, KEY.machine)
         assert (after.count, after.reopened_at) == (55, None)
@@ -278,10 +278,10 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
 
 
 def test_nobody_waits_for_a_round_that_lets_go_of_nothing(
-    plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+    plant: Database, writer: PromptWriter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("storage.database.writer_turn.BUSY_TIMEOUT_MS", 100)
-    feed(journal, 0, 20)
+    feed(writer, 0, 20)
     add_runs(plant, 25)
     one = Housekeeping(plant, confirmed(plant, raw_days=30, run_days=1))
     one.round()
@@ -301,12 +301,12 @@ def test_less_than_a_day_is_refused(name: str) -> None:
 
 
 @pytest.mark.long
-def test_room_is_given_back_to_the_file_system(plant: Database, journal: PromptJournal, tmp_path: Path) -> None:
+def test_room_is_given_back_to_the_file_system(plant: Database, writer: PromptWriter, tmp_path: Path) -> None:
     made = add_runs(plant, DAYS)
     noise = samples(5000).phasor.tobytes() * 5
     with plant.transaction() as session:
         session.execute(text("UPDATE runs SET data = :data WHERE id <= 30"), {"data": noise})
-    feed(journal, 0, 2)
+    feed(writer, 0, 2)
     with plant.transaction():
         pass
     before = disk.used(plant, budget=None).data
@@ -351,17 +351,17 @@ def test_warnings_come_well_before_the_end(use: DiskUse, said: str) -> None:
 
 
 def test_the_room_is_looked_at_during_a_long_round(
-    plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+    plant: Database, writer: PromptWriter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.0)
-    feed(journal, 0, DAYS)
+    feed(writer, 0, DAYS)
     one = Housekeeping(plant, confirmed(plant, disk_budget_gb=0.0001, raw_days=30))
     one.round()
     assert "nearly full" in one.warnings[0]
 
 
-def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: PromptJournal) -> None:
-    feed(journal, 0, DAYS)
+def test_it_runs_in_the_background_and_ends_when_told(plant: Database, writer: PromptWriter) -> None:
+    feed(writer, 0, DAYS)
     one = Housekeeping(plant, confirmed(plant, raw_days=30))
     one.start()
     wait_until(lambda: one.released[Blocks.name] == DAYS - 31 or one.unfinished is not None, seconds=30)

@@ -15,7 +15,7 @@ from service.commands.app import app
 from service.configuration.settings import Settings
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.maintenance import housekeeping
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_cut_offs import DAY_NS
@@ -59,12 +59,12 @@ class Led(WholeShare):
         return self.leading
 
 
-class Store:
+class AgedStore:
     """A machine whose source goes by the service's clock, and the service's housekeeping, which can be started anew."""
 
     def __init__(self, database: Database) -> None:
         self.database = database
-        self.journal = Journal(database, Collector())
+        self.writer = SampleWriter(database, Collector())
         self.sequence = 0
         self.start()
 
@@ -76,7 +76,7 @@ class Store:
     def send(self, count: int, *, age: int = 0) -> None:
         """age: of the first sample [ns]."""
         one = batch([0.0] * count, sequence=self.sequence, start=time.time_ns() - age)
-        self.journal.store([arrived(one, received_at=time.time_ns())], [])
+        self.writer.store([arrived(one, received_at=time.time_ns())], [])
         self.sequence += count
 
     def send_hours(self, hours: int) -> None:
@@ -98,8 +98,8 @@ class Store:
 
 
 @pytest.fixture
-def store(plant: Database) -> Store:
-    return Store(plant)
+def store(plant: Database) -> AgedStore:
+    return AgedStore(plant)
 
 
 def confirm(database: Database, monkeypatch: pytest.MonkeyPatch, *options: str, answer: str = "") -> tuple[int, str]:
@@ -111,7 +111,7 @@ def confirm(database: Database, monkeypatch: pytest.MonkeyPatch, *options: str, 
 
 
 @pytest.mark.parametrize("restarted", [False, True])
-def test_a_clock_a_year_ahead_lets_go_of_nothing(store: Store, clocks: Clocks, restarted: bool) -> None:
+def test_a_clock_a_year_ahead_lets_go_of_nothing(store: AgedStore, clocks: Clocks, restarted: bool) -> None:
     store.housekeeping.round()
     store.send_hours(12)
     clocks.wall = YEAR
@@ -129,7 +129,7 @@ def test_a_clock_a_year_ahead_lets_go_of_nothing(store: Store, clocks: Clocks, r
     assert not store.waits
 
 
-def test_a_store_of_an_older_release_whose_clock_is_ahead_loses_nothing(store: Store, clocks: Clocks) -> None:
+def test_a_store_of_an_older_release_whose_clock_is_ahead_loses_nothing(store: AgedStore, clocks: Clocks) -> None:
     store.send_hours(12)
     clocks.wall = YEAR
     store.send(5)
@@ -140,7 +140,7 @@ def test_a_store_of_an_older_release_whose_clock_is_ahead_loses_nothing(store: S
     assert store.waits
 
 
-def test_the_clock_of_a_first_start_may_be_set_later(store: Store, clocks: Clocks) -> None:
+def test_the_clock_of_a_first_start_may_be_set_later(store: AgedStore, clocks: Clocks) -> None:
     """Before it knows the time a machine begins in 1970."""
     clocks.wall = -time.time_ns()
     store.housekeeping.round()
@@ -156,12 +156,12 @@ def test_the_clock_of_a_first_start_may_be_set_later(store: Store, clocks: Clock
     assert store.blocks == 30
 
 
-def test_a_machine_that_cannot_be_looked_at_keeps_no_other_from_its_cut_off(store: Store) -> None:
+def test_a_machine_that_cannot_be_looked_at_keeps_no_other_from_its_cut_off(store: AgedStore) -> None:
     with store.database.transaction() as session:
         machines.create(session, machine(id="fan-2"))
     for number, age in enumerate((60, 0)):
         one = batch([0.0] * 5, machine="fan-2", sequence=5 * number, start=time.time_ns() - age * DAY_NS)
-        store.journal.store([arrived(one, received_at=time.time_ns())], [])
+        store.writer.store([arrived(one, received_at=time.time_ns())], [])
     with store.database.transaction() as session:
         session.get_one(CollectorRow, "fan-2").state = {"revision": 1, "seen": "yesterday", "late": "never"}
     for day in range(45, 0, -1):
@@ -173,7 +173,7 @@ def test_a_machine_that_cannot_be_looked_at_keeps_no_other_from_its_cut_off(stor
         assert retention.cut_off(session, Blocks.name) is not None
 
 
-def test_runs_are_kept_by_the_same_rule(store: Store, clocks: Clocks) -> None:
+def test_runs_are_kept_by_the_same_rule(store: AgedStore, clocks: Clocks) -> None:
     store.housekeeping.round()
     moment = time.time_ns()
     with store.database.transaction() as session:
@@ -188,7 +188,7 @@ def test_runs_are_kept_by_the_same_rule(store: Store, clocks: Clocks) -> None:
     assert store.waits
 
 
-def test_samples_grow_old_as_time_passes(store: Store, clocks: Clocks) -> None:
+def test_samples_grow_old_as_time_passes(store: AgedStore, clocks: Clocks) -> None:
     """Nobody need confirm anything of a service that runs, is started anew, and is off for hours."""
     store.housekeeping.round()
     for day in range(1, 36):
@@ -203,7 +203,7 @@ def test_samples_grow_old_as_time_passes(store: Store, clocks: Clocks) -> None:
     assert 28 <= store.blocks <= 32
 
 
-def test_what_was_served_before_the_end_counts_after_a_start(store: Store, clocks: Clocks) -> None:
+def test_what_was_served_before_the_end_counts_after_a_start(store: AgedStore, clocks: Clocks) -> None:
     store.send(10)
     store.housekeeping.start()
     wait_until(lambda: store.housekeeping._counts)
@@ -215,7 +215,9 @@ def test_what_was_served_before_the_end_counts_after_a_start(store: Store, clock
     assert kept[0] == pytest.approx(time.time_ns() - MONTH * DAY_NS, abs=10 * SECOND)
 
 
-def test_what_waits_is_told_by_the_replica_that_leads(store: Store, clocks: Clocks, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_waits_is_told_by_the_replica_that_leads(
+    store: AgedStore, clocks: Clocks, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """And the time that another one leads is not counted by this one."""
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
     share = Led()
@@ -241,7 +243,7 @@ def test_what_waits_is_told_by_the_replica_that_leads(store: Store, clocks: Cloc
 
 
 def test_a_service_that_was_off_for_a_month_waits_for_a_person(
-    store: Store, clocks: Clocks, monkeypatch: pytest.MonkeyPatch
+    store: AgedStore, clocks: Clocks, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And it goes on letting go of what grows old as time passes, so that the store does not grow meanwhile."""
     with store.database.transaction() as session:
@@ -275,7 +277,9 @@ def test_a_service_that_was_off_for_a_month_waits_for_a_person(
         assert audit.verify(session) == []
 
 
-def test_what_is_asked_for_the_first_time_is_shown_before_it_is_done(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_asked_for_the_first_time_is_shown_before_it_is_done(
+    store: AgedStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for day in range(60, 0, -1):
         store.send(10, age=day * DAY_NS)
     store.housekeeping.round()
@@ -286,7 +290,7 @@ def test_what_is_asked_for_the_first_time_is_shown_before_it_is_done(store: Stor
     assert store.blocks == 30
 
 
-def test_a_program_confirms_only_with_yes(store: Store, clocks: Clocks, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_confirms_only_with_yes(store: AgedStore, clocks: Clocks, monkeypatch: pytest.MonkeyPatch) -> None:
     store.housekeeping.round()
     store.send_hours(2)
     clocks.wall = YEAR
@@ -314,13 +318,15 @@ def test_nothing_can_be_confirmed_where_nothing_is_let_go_of(plant: Database, mo
 def http(router: zenoh.Session, plant: Database) -> Iterator[Api]:
     """The application with its ingest."""
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=600.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=600.0, submissions=submissions)
     ingest.start()
     yield Api(plant, submissions=submissions)
     ingest.stop()
 
 
-def test_a_disk_that_is_full_while_samples_wait_costs_none(store: Store, clocks: Clocks, http: Api, tmp_path: Path) -> None:
+def test_a_disk_that_is_full_while_samples_wait_costs_none(
+    store: AgedStore, clocks: Clocks, http: Api, tmp_path: Path
+) -> None:
     """Nothing unconfirmed is let go of to make room; who sends is told, and goes on where there is room again."""
     if store.database.kind != "sqlite":
         pytest.skip("a server's disk cannot be filled")

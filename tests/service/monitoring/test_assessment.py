@@ -1,12 +1,15 @@
 """Tests what new identifications do to alerts: opened after two in a row, closed by the same kind of run, blinded by
 nothing."""
 
+import re
 from collections.abc import Mapping
 
 import pytest
+from sqlalchemy import event
 from sqlalchemy.orm import Session
 
-from service.monitoring import context_loading
+from service.monitoring import conclusions, context_loading
+from service.monitoring.assessment.assess import assess
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.database.engine import Database
@@ -54,6 +57,25 @@ class Weeks:
 
     def open(self) -> list[str]:
         return [row.element for row in self.alerts() if row.closed_at is None]
+
+
+def test_applying_an_assessment_reads_nothing_of_the_run_that_was_filed(plant: Database) -> None:
+    """All of it is in the context, which was loaded before; what may have changed meanwhile is in the state."""
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE + 2)
+        weeks.file(STIFFER)
+        moment = START + (weeks.count + 1) * WEEK
+        row = store_identification(session, identification(STIFFER), run_id=weeks.count + 1, measured_at=moment)
+        context = context_loading.load_context(session, row, baseline_runs=BASELINE)
+        assert context is not None
+        assessment, state = assess(context), context_loading.load_state(session, row)
+        statements: list[str] = []
+        event.listen(session.connection(), "before_cursor_execute", lambda *said: statements.append(said[2].lower()))
+        conclusions.apply(session, row, context, assessment, state)
+        session.flush()
+    assert any("insert into alerts" in one for one in statements)
+    assert [one for one in statements if re.search(r"from (derived_quantities|estimates|identifications)\b", one)] == []
 
 
 def test_misalignment_is_called_after_two_in_a_row_and_taken_back_after_two(plant: Database) -> None:

@@ -10,7 +10,7 @@ import zenoh
 from service.configuration.settings import Settings
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.mqtt.sample_intake import MqttSamples
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
@@ -44,7 +44,7 @@ class Taking:
 @pytest.fixture
 def taking(mosquitto: Mosquitto, router: zenoh.Session, plant: Database) -> Iterator[Taking]:
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=60.0, submissions=submissions)
     own = settings_of(mosquitto, mqtt_client_id=f"taking-{uuid4().hex[:8]}")  # no session of an earlier test
     samples = MqttSamples(own, plant, submissions, WholeShare())
     ingest.start()

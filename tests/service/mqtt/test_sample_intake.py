@@ -12,7 +12,7 @@ import zenoh
 from formats.wire import BINARY, JSON, MESSAGEPACK, encode_body
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.mqtt.broker import LARGEST_PACKET
 from service.mqtt.sample_intake import MqttSamples, PublishedBody
 from service.replication.work_share import WholeShare
@@ -88,7 +88,7 @@ def test_what_is_wrong_is_refused_in_words(mosquitto: Mosquitto, taking: Taking)
 def test_a_retained_sample_is_refused_once(mosquitto: Mosquitto, router: zenoh.Session, plant: Database) -> None:
     """Its age is not known; whoever connects again is not told of it again."""
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=60.0, submissions=submissions)
     ingest.start()
     with mosquitto.connected("edge") as edge:
         edge.publish(TOPIC, body(0, 5), retain=True).wait_for_publish(5.0)
@@ -109,7 +109,7 @@ def test_what_comes_while_the_service_is_away_waits_at_the_broker(
     mosquitto: Mosquitto, router: zenoh.Session, plant: Database
 ) -> None:
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=60.0, submissions=submissions)
     ingest.start()
     try:
         with mosquitto.connected("edge") as edge:
@@ -138,7 +138,7 @@ def test_nothing_is_confirmed_before_it_is_durable(mosquitto: Mosquitto, router:
         wait_until(lambda: len(never) == 1)
         samples.stop()
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=60.0, submissions=submissions)
     samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="dies"), plant, submissions, WholeShare())
     ingest.start()
     samples.start()

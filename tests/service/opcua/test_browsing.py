@@ -15,7 +15,7 @@ from service.opcua.node_tree import NodeTree
 MACHINES = 2_500
 NAMES = NodeNames(2)
 PLANT = NAMES.node("harbour")
-Sees = Callable[[ua.NodeId], bool]
+VisibleNodes = Callable[[ua.NodeId], bool]
 
 
 def everything(node: ua.NodeId) -> bool:
@@ -43,7 +43,7 @@ def asked(**changes: object) -> ua.BrowseDescription:
     return ua.BrowseDescription(**given)
 
 
-def pages(browsing: Browsing, first: BrowsePage, sees: Sees = everything, most: int = 10_000) -> list[list[str]]:
+def pages(browsing: Browsing, first: BrowsePage, sees: VisibleNodes = everything, most: int = 10_000) -> list[list[str]]:
     found, wanted = [], first
     while True:
         result = browsing.page(wanted, sees, most=most)

@@ -18,7 +18,7 @@ from storage.machines import machines
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
-    Edge,
+    PublishingEdge,
     Surroundings,
     counts,
     heard,
@@ -31,7 +31,7 @@ from tests.service.ingest.plant_network import (
 )
 
 
-def test_what_is_published_is_stored(plant: Database, ingest: Ingest, client: zenoh.Session, edge: Edge) -> None:
+def test_what_is_published_is_stored(plant: Database, ingest: Ingest, client: zenoh.Session, edge: PublishingEdge) -> None:
     wait_until(lambda: heard(client))
     edge.publish(5, 3, 2)
     wait_until(lambda: received(plant) == 10)
@@ -41,7 +41,9 @@ def test_what_is_published_is_stored(plant: Database, ingest: Ingest, client: ze
     assert ingest.trouble is None
 
 
-def test_what_was_published_before_the_service_came_is_fetched(router: zenoh.Session, plant: Database, edge: Edge) -> None:
+def test_what_was_published_before_the_service_came_is_fetched(
+    router: zenoh.Session, plant: Database, edge: PublishingEdge
+) -> None:
     edge.publish(5, 5, 5)
     with ingesting(router, plant):
         wait_until(lambda: received(plant) == 15)
@@ -50,7 +52,7 @@ def test_what_was_published_before_the_service_came_is_fetched(router: zenoh.Ses
 
 
 def test_what_was_published_while_the_service_was_away_is_fetched(
-    router: zenoh.Session, client: zenoh.Session, plant: Database, edge: Edge
+    router: zenoh.Session, client: zenoh.Session, plant: Database, edge: PublishingEdge
 ) -> None:
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
@@ -114,7 +116,7 @@ def test_a_restarted_source_is_another_one(plant: Database, client: zenoh.Sessio
 
 def test_only_what_the_log_no_longer_holds_is_lost(router: zenoh.Session, plant: Database, client: zenoh.Session) -> None:
     with Source(client, KEY, name="edge", log=MemoryLog(samples=6)) as source:
-        Edge(source).publish(*[2] * 10)
+        PublishingEdge(source).publish(*[2] * 10)
         time.sleep(0.5)  # what is still on its way would reach the service after all
         with ingesting(router, plant):
             wait_until(lambda: received(plant) == 6)
@@ -176,7 +178,9 @@ def test_the_last_messages_of_each_of_two_sources_of_a_machine_are_fetched(
         wait_until(fetched)
 
 
-def test_a_token_that_is_no_id_is_nobody(router: zenoh.Session, client: zenoh.Session, plant: Database, edge: Edge) -> None:
+def test_a_token_that_is_no_id_is_nobody(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, edge: PublishingEdge
+) -> None:
     """A wildcard would ask every log for a machine that is none."""
     tokens = [client.liveliness().declare_token(f"rundown/v1/live/{name}") for name in ("*/*", "a b/c")]
     edge.publish(5)
@@ -323,7 +327,7 @@ def test_a_log_that_does_not_answer_for_a_hole_is_asked_again(
     busy.leave()
 
 
-class Asked(DroppedOnTheWay):
+class RecordingClient(DroppedOnTheWay):
     """Keeps what it was asked for: the first number, and how many batches."""
 
     def __init__(self, client: zenoh.Session) -> None:
@@ -340,7 +344,7 @@ def test_a_log_is_asked_for_a_part_at_a_time(
 ) -> None:
     """Answers of many logs at once must not fill the memory."""
     monkeypatch.setattr("service.recovery.log_queries.LARGEST_QUERY", 3)
-    log = Asked(client)
+    log = RecordingClient(client)
     for _ in range(10):
         log.publish(dropped=True)
     with ingesting(router, plant):
@@ -356,7 +360,7 @@ def test_a_large_hole_is_asked_for_a_part_at_a_time(
     monkeypatch.setattr("service.recovery.log_queries.LARGEST_QUERY", 1)
     monkeypatch.setattr("service.recovery.gap_recovery.PATIENCE_S", 0.3)
     monkeypatch.setattr("service.recovery.known_logs.SILENCE_S", 3600.0)
-    log = Asked(client)
+    log = RecordingClient(client)
     with ingesting(router, plant):
         log.leave_a_gap(plant)
         log.asked.clear()

@@ -5,7 +5,7 @@ import threading
 import pytest
 from sqlalchemy.orm import Session
 
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.runs import closing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
@@ -25,13 +25,13 @@ def collector() -> Collector:
 
 
 @pytest.fixture
-def journal(plant: Database, collector: Collector) -> Journal:
-    return Journal(plant, collector)
+def writer(plant: Database, collector: Collector) -> SampleWriter:
+    return SampleWriter(plant, collector)
 
 
-def send(journal: Journal, first: int, last: int) -> None:
+def send(writer: SampleWriter, first: int, last: int) -> None:
     one = batch(CYCLE[first:last], sequence=first, start=START + first * SECOND)
-    journal.store([arrived(one, received_at=START + 10**6 * SECOND)], [])
+    writer.store([arrived(one, received_at=START + 10**6 * SECOND)], [])
 
 
 def only_run(database: Database) -> RunRow:
@@ -45,8 +45,8 @@ def asked(database: Database) -> list[dict[str, int] | None]:
         return [job.options for job in reversed(jobs.of_machine(session, KEY.machine, limit=10))]
 
 
-def test_a_run_that_has_ended_is_closed_after_a_restart_too(plant: Database, journal: Journal) -> None:
-    send(journal, 0, len(CYCLE))
+def test_a_run_that_has_ended_is_closed_after_a_restart_too(plant: Database, writer: SampleWriter) -> None:
+    send(writer, 0, len(CYCLE))
     run = only_run(plant)
     assert (run.state, run.reason, run.count) == (runs.ENDED, "the speed left the speed range", None)
     Closing(plant, Collector()).close_ended()
@@ -58,7 +58,7 @@ def test_a_run_that_has_ended_is_closed_after_a_restart_too(plant: Database, jou
 
 
 def test_storing_goes_on_while_a_run_is_being_closed(
-    plant: Database, journal: Journal, collector: Collector, monkeypatch: pytest.MonkeyPatch
+    plant: Database, writer: SampleWriter, collector: Collector, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
@@ -72,9 +72,9 @@ def test_storing_goes_on_while_a_run_is_being_closed(
     thread = Closing(plant, collector)
     thread.start()
     try:
-        send(journal, 0, 110)
+        send(writer, 0, 110)
         assert begun.wait(10.0)
-        send(journal, 110, 120)  # would wait for the writer's turn, and end in an error
+        send(writer, 110, 120)  # would wait for the writer's turn, and end in an error
         go_on.set()
         wait_until(lambda: only_run(plant).state == runs.CLOSED)
     finally:
@@ -83,17 +83,17 @@ def test_storing_goes_on_while_a_run_is_being_closed(
 
 
 def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
-    plant: Database, journal: Journal, collector: Collector, monkeypatch: pytest.MonkeyPatch
+    plant: Database, writer: SampleWriter, collector: Collector, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def late_meanwhile(session: Session, row: RunRow) -> RunContent:
         found = gather(session, row)
         monkeypatch.setattr(closing, "gather", gather)
-        threading.Thread(target=lambda: send(journal, 50, 60)).start()
+        threading.Thread(target=lambda: send(writer, 50, 60)).start()
         wait_until(lambda: collector.late.may_wait(KEY.machine))
         return found
 
-    send(journal, 0, 50)
-    send(journal, 60, len(CYCLE))
+    send(writer, 0, 50)
+    send(writer, 60, len(CYCLE))
     both = Closing(plant, collector)
     both.sort_in_late()  # nothing yet
     monkeypatch.setattr(closing, "gather", late_meanwhile)
@@ -104,10 +104,10 @@ def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
     assert asked(plant) == [None, {"reopened": 1}]
 
 
-def test_late_samples_wait_for_a_run_that_is_not_closed(plant: Database, journal: Journal, collector: Collector) -> None:
-    send(journal, 0, 50)
-    send(journal, 60, len(CYCLE))
-    send(journal, 50, 60)
+def test_late_samples_wait_for_a_run_that_is_not_closed(plant: Database, writer: SampleWriter, collector: Collector) -> None:
+    send(writer, 0, 50)
+    send(writer, 60, len(CYCLE))
+    send(writer, 50, 60)
     both = Closing(plant, collector)
     both.sort_in_late()
     assert (only_run(plant).state, only_run(plant).times_reopened) == (runs.ENDED, None)

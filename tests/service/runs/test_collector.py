@@ -13,14 +13,14 @@ from storage.measurements import runs
 from storage.tables.findings import JobRow
 from storage.tables.measurements import RunRow
 from tests.plant import SECOND, START, arrived, batch, machine, sweep_rpm
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 
 class Stream:
     """A source that publishes one stretch of speeds after the other, a sample a second."""
 
-    def __init__(self, journal: PromptJournal, *, source: str = "monitor") -> None:
-        self.journal = journal
+    def __init__(self, writer: PromptWriter, *, source: str = "monitor") -> None:
+        self.writer = writer
         self.count = 0
         self.time = START
         self.source = source
@@ -28,14 +28,14 @@ class Stream:
     def send(self, rpm: list[float], *, pause_s: int = 0, **changes: Any) -> None:
         self.time += pause_s * SECOND
         one = batch(rpm, sequence=self.count, start=self.time, source=self.source, **changes)
-        self.journal.store([arrived(one)], [])
+        self.writer.store([arrived(one)], [])
         self.count += len(rpm)
         self.time += len(rpm) * SECOND
 
 
 @pytest.fixture
-def stream(journal: PromptJournal) -> Stream:
-    return Stream(journal)
+def stream(writer: PromptWriter) -> Stream:
+    return Stream(writer)
 
 
 def found_runs(database: Database) -> list[RunRow]:
@@ -140,9 +140,9 @@ def test_a_revision_that_reorders_the_channels_does_not_mix_them(plant: Database
 
 def test_silence_closes_a_run(plant: Database, stream: Stream) -> None:
     stream.send(DOWN[:30])
-    stream.journal.settle(silence_s=60.0)
+    stream.writer.settle(silence_s=60.0)
     assert only_run(plant).state == runs.OPEN
-    stream.journal.settle(silence_s=0.0)
+    stream.writer.settle(silence_s=0.0)
     run = only_run(plant)
     assert (run.state, run.reason, run.count) == (runs.CLOSED, "the source fell silent", 30)
     assert len(found_jobs(plant)) == 1
@@ -150,7 +150,7 @@ def test_silence_closes_a_run(plant: Database, stream: Stream) -> None:
 
 def test_silence_closes_a_run_after_a_restart_too(plant: Database, stream: Stream) -> None:
     stream.send(DOWN[:30])
-    again = PromptJournal(plant, Collector())
+    again = PromptWriter(plant, Collector())
     again.settle(silence_s=60.0)
     assert only_run(plant).state == runs.OPEN
     again.settle(silence_s=0.0)
@@ -158,15 +158,15 @@ def test_silence_closes_a_run_after_a_restart_too(plant: Database, stream: Strea
 
 
 def test_silence_without_a_run_changes_nothing(plant: Database, stream: Stream) -> None:
-    stream.journal.settle(silence_s=0.0)
+    stream.writer.settle(silence_s=0.0)
     stream.send([1000.0] * 5)
-    stream.journal.settle(silence_s=0.0)
+    stream.writer.settle(silence_s=0.0)
     assert found_runs(plant) == []
 
 
 def test_after_silence_the_next_samples_are_a_new_run(plant: Database, stream: Stream) -> None:
     stream.send(sweep_rpm(2990.0, 1500.0, 25))
-    stream.journal.settle(silence_s=0.0)
+    stream.writer.settle(silence_s=0.0)
     stream.send([*sweep_rpm(1490.0, 310.0, 25), *STANDSTILL])
     first, second = found_runs(plant)
     assert (first.count, second.count) == (25, 25)
@@ -191,7 +191,7 @@ def test_a_change_of_direction_ends_a_run_which_keeps_its_own_samples(plant: Dat
 
 def test_samples_older_than_the_newest_known_begin_no_run(plant: Database, stream: Stream) -> None:
     stream.send([*DOWN, *STANDSTILL])
-    second = Stream(stream.journal, source="late")
+    second = Stream(stream.writer, source="late")
     second.send([*DOWN, *STANDSTILL])
     assert len(found_runs(plant)) == 1
     assert len(found_jobs(plant)) == 1
@@ -201,7 +201,7 @@ def test_machines_are_collected_apart(plant: Database, stream: Stream) -> None:
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     stream.send(DOWN[:20])
-    other = Stream(stream.journal)
+    other = Stream(stream.writer)
     other.send(UP[:20], machine="pump-8")
     stream.send([*DOWN[20:], *STANDSTILL])
     with plant.reading() as session:

@@ -17,7 +17,7 @@ NAMED = machine(operation={"vibration_danger": LIMIT, "running_rpm": 2900.0})
 UNNAMED = machine(operation={"vibration_danger": LIMIT})
 
 
-class Story:
+class VibrationStory:
     """A machine's samples, a second apart, and what is told of them."""
 
     def __init__(self, pump: Machine) -> None:
@@ -54,7 +54,7 @@ def run_down(rpm: Sequence[float], *, peak_um_pp: float) -> list[float]:
 
 def test_a_critical_speed_that_is_passed_is_none() -> None:
     for pump in (NAMED, UNNAMED):
-        story = Story(pump)
+        story = VibrationStory(pump)
         assert not story.hold(*[50.0] * 10)
         down = sweep_rpm(2890.0, 310.0, 60)
         assert story.go(down, run_down(down, peak_um_pp=400.0)).told is None
@@ -62,7 +62,7 @@ def test_a_critical_speed_that_is_passed_is_none() -> None:
 
 
 def test_three_samples_at_running_speed_are_one_and_a_single_one_is_not() -> None:
-    story = Story(NAMED)
+    story = VibrationStory(NAMED)
     assert not story.hold(50.0, 150.0, 50.0, 150.0, 150.0, 50.0)
     assert story.hold(150.0, 170.0, 150.0)
     told = story.watch.told
@@ -74,7 +74,7 @@ def test_three_samples_at_running_speed_are_one_and_a_single_one_is_not() -> Non
 
 def test_a_trip_keeps_it_until_the_machine_runs_below_the_limit_again() -> None:
     for pump in (NAMED, UNNAMED):
-        story = Story(pump)
+        story = VibrationStory(pump)
         assert not story.hold(*[50.0] * 10)
         assert story.hold(*[200.0] * 5)
         down = sweep_rpm(2880.0, 10.0, 60)
@@ -87,7 +87,7 @@ def test_a_trip_keeps_it_until_the_machine_runs_below_the_limit_again() -> None:
 
 
 def test_a_minute_beyond_the_limit_is_one_at_any_speed() -> None:
-    story = Story(NAMED)
+    story = VibrationStory(NAMED)
     up = sweep_rpm(310.0, 1500.0, 30)
     assert story.go(up, [50.0] * 30).told is None
     assert not story.hold(*[150.0] * 60, rpm=1500.0)
@@ -95,7 +95,7 @@ def test_a_minute_beyond_the_limit_is_one_at_any_speed() -> None:
 
 
 def test_what_was_before_a_silence_does_not_last_through_it() -> None:
-    story = Story(NAMED)
+    story = VibrationStory(NAMED)
     story.go([1500.0], [150.0])
     story.watch = story.watch.interrupted()
     story.time += 3600 * SECOND
@@ -103,7 +103,7 @@ def test_what_was_before_a_silence_does_not_last_through_it() -> None:
 
 
 def test_samples_without_a_good_phasor_change_nothing() -> None:
-    story = Story(NAMED)
+    story = VibrationStory(NAMED)
     story.hold(*[150.0] * 3)
     nothing = samples(5, start=story.time, rpm=[2900.0] * 5)
     bad = Samples(

@@ -14,7 +14,7 @@ from storage.measurements import runs
 from storage.tables.measurements import RunRow
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, identification, machine, store_identification
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 RULES = {"bins": 10, "samples_per_bin": 4, "spacing_s": 5.0, "recency_s": 3600.0, "coverage": 0.8, "interval_s": 600.0}
 
@@ -37,10 +37,10 @@ def wander(count: int, seed: int = 0, *, low: float = 400.0, high: float = 2900.
     return list(map(float, low + (high - low) * shape))
 
 
-def send(journal: PromptJournal, rpm: list[float], first: int, last: int, **changes: Any) -> None:
+def send(writer: PromptWriter, rpm: list[float], first: int, last: int, **changes: Any) -> None:
     for start in range(first, last, 60):
         stop = min(start + 60, last)
-        journal.store([arrived(batch(rpm[start:stop], sequence=start, start=START + start * SECOND, **changes))], [])
+        writer.store([arrived(batch(rpm[start:stop], sequence=start, start=START + start * SECOND, **changes))], [])
 
 
 def found_runs(database: Database) -> list[RunRow]:
@@ -48,11 +48,11 @@ def found_runs(database: Database) -> list[RunRow]:
         return list(reversed(runs.of_machine(session, KEY.machine)))
 
 
-def test_a_wandering_speed_makes_a_run_when_its_time_has_come(rolling: Database, journal: PromptJournal) -> None:
+def test_a_wandering_speed_makes_a_run_when_its_time_has_come(rolling: Database, writer: PromptWriter) -> None:
     speeds = wander(1300)
-    send(journal, speeds, 0, 600)
+    send(writer, speeds, 0, 600)
     assert found_runs(rolling) == []
-    send(journal, speeds, 600, 1300)
+    send(writer, speeds, 600, 1300)
     first, second = found_runs(rolling)
     for run in (first, second):
         assert (run.kind, run.state, run.revision) == ("rolling", runs.CLOSED, 2)
@@ -72,27 +72,27 @@ def test_a_wandering_speed_makes_a_run_when_its_time_has_come(rolling: Database,
     assert held.speed * 30 / np.pi == pytest.approx(np.array(speeds)[numbers])
 
 
-def test_without_coverage_there_is_no_run(rolling: Database, journal: PromptJournal) -> None:
-    send(journal, wander(1300, high=1500.0), 0, 1300)
+def test_without_coverage_there_is_no_run(rolling: Database, writer: PromptWriter) -> None:
+    send(writer, wander(1300, high=1500.0), 0, 1300)
     assert found_runs(rolling) == []
 
 
-def test_old_samples_do_not_count(rolling: Database, journal: PromptJournal) -> None:
+def test_old_samples_do_not_count(rolling: Database, writer: PromptWriter) -> None:
     """Half of the bins were filled two hours ago, the other half now: never enough of them at a time."""
-    send(journal, wander(500, high=1500.0), 0, 500)
+    send(writer, wander(500, high=1500.0), 0, 500)
     later = batch(wander(500, low=1700.0), sequence=500, start=START + 7200 * SECOND)
-    journal.store([arrived(later)], [])
+    writer.store([arrived(later)], [])
     assert found_runs(rolling) == []
 
 
 def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_database: NewDatabase, plant_template: str) -> None:
     speeds = wander(1300)
     for first in range(0, 1300, 60):
-        send(PromptJournal(rolling, Collector()), speeds, first, min(first + 60, 1300))
+        send(PromptWriter(rolling, Collector()), speeds, first, min(first + 60, 1300))
     at_a_stretch = new_database(plant_template)
     with at_a_stretch.transaction() as session:
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": RULES}))
-    send(PromptJournal(at_a_stretch, Collector()), speeds, 0, 1300)
+    send(PromptWriter(at_a_stretch, Collector()), speeds, 0, 1300)
     told = [
         [(run.time_first, run.time_last, run.count, run.coverage) for run in found_runs(one)]
         for one in (rolling, at_a_stretch)
@@ -101,9 +101,9 @@ def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_databas
     assert len(told[0]) == 2
 
 
-def test_what_is_remembered_is_bounded(rolling: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_remembered_is_bounded(rolling: Database, writer: PromptWriter, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("storage.measurements.runs.end_rolling", lambda *_args, **_more: None)
-    send(journal, wander(3000, high=1500.0), 0, 3000)
+    send(writer, wander(3000, high=1500.0), 0, 3000)
     with rolling.reading() as session:
         now = state_of(session, KEY.machine)
     assert now is not None
@@ -111,19 +111,19 @@ def test_what_is_remembered_is_bounded(rolling: Database, journal: PromptJournal
     assert all(len(times) <= 4 for times in now.bins.times)
 
 
-def test_the_other_sense_of_rotation_begins_anew(rolling: Database, journal: PromptJournal) -> None:
+def test_the_other_sense_of_rotation_begins_anew(rolling: Database, writer: PromptWriter) -> None:
     speeds = wander(1300)
-    send(journal, speeds, 0, 540)
-    send(journal, speeds, 540, 1100, direction="negative")
+    send(writer, speeds, 0, 540)
+    send(writer, speeds, 540, 1100, direction="negative")
     (run,) = found_runs(rolling)
     assert run.direction == -1
     assert run.time_first >= START + 540 * SECOND
 
 
-def test_both_collects_sweeps_too(plant: Database, journal: PromptJournal) -> None:
+def test_both_collects_sweeps_too(plant: Database, writer: PromptWriter) -> None:
     with plant.transaction() as session:
         machines.revise(session, machine(collection={"runs": "both", "rolling": RULES}))
-    send(journal, [*wander(700), *np.linspace(2900.0, 200.0, 100).tolist(), *[0.0] * 20], 0, 820)
+    send(writer, [*wander(700), *np.linspace(2900.0, 200.0, 100).tolist(), *[0.0] * 20], 0, 820)
     kinds = {run.kind for run in found_runs(plant)}
     assert kinds == {"rolling", "run-up", "run-down"}
 

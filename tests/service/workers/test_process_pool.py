@@ -47,7 +47,7 @@ def test_a_process_whose_service_is_gone_before_it_was_ready_ends_quietly(capfd:
     assert capfd.readouterr().err == ""
 
 
-class Unreadable(Exception):
+class UnpicklableError(Exception):
     """Cannot be made again from what it tells."""
 
     def __init__(self, one: str, other: str) -> None:
@@ -55,7 +55,7 @@ class Unreadable(Exception):
 
 
 def unreadable() -> None:
-    raise Unreadable("half and ", "half")
+    raise UnpicklableError("half and ", "half")
 
 
 @pytest.mark.parametrize("tasks", [[], [compute]])
@@ -76,7 +76,7 @@ def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> 
     assert two.submit(10.0, len, bytes(3_000_000)).result(SOON_S) == 3_000_000
     with pytest.raises(ValueError, match="invalid literal"):
         two.submit(10.0, int, "none").result(SOON_S)
-    with pytest.raises(RuntimeError, match="Unreadable: half and half"):
+    with pytest.raises(RuntimeError, match="UnpicklableError: half and half"):
         two.submit(60.0, unreadable).result(90.0)  # it imports this module, which takes seconds where cores are few
     with pytest.raises(BrokenProcessPool):
         two.submit(10.0, os._exit, 1).result(SOON_S)

@@ -19,11 +19,11 @@ from storage.database.engine import Database
 from storage.machines import machines
 from tests.databases import PostgresqlDatabases
 from tests.plant import machine
-from tests.postgresql import Server
+from tests.postgresql import PostgresServer
 
 
 @pytest.fixture
-def plant(postgresql: Server, tmp_path: Path) -> Iterator[Database]:
+def plant(postgresql: PostgresServer, tmp_path: Path) -> Iterator[Database]:
     """A new database with the machine of `tests.plant`."""
     one = Database(PostgresqlDatabases(postgresql).new(tmp_path / f"broken_{os.urandom(4).hex()}"))
     with one.transaction() as session:
@@ -32,7 +32,7 @@ def plant(postgresql: Server, tmp_path: Path) -> Iterator[Database]:
     one.close()
 
 
-def test_a_server_that_was_restarted_is_used_again(plant: Database, postgresql: Server) -> None:
+def test_a_server_that_was_restarted_is_used_again(plant: Database, postgresql: PostgresServer) -> None:
     end_connections(plant, postgresql)
     plant.check()
     with plant.transaction() as session:
@@ -41,14 +41,14 @@ def test_a_server_that_was_restarted_is_used_again(plant: Database, postgresql: 
         assert len(machines.list_all(session)) == 2
 
 
-def test_what_was_read_before_a_connection_broke_stays_read(plant: Database, postgresql: Server) -> None:
+def test_what_was_read_before_a_connection_broke_stays_read(plant: Database, postgresql: PostgresServer) -> None:
     with plant.reading() as session:
         assert [row.id for row in machines.list_all(session)] == ["pump-7"]
         end_connections(plant, postgresql)
     plant.check()
 
 
-def test_a_claim_whose_connection_broke_in_the_middle_is_taken_again(plant: Database, postgresql: Server) -> None:
+def test_a_claim_whose_connection_broke_in_the_middle_is_taken_again(plant: Database, postgresql: PostgresServer) -> None:
     plant.claim(shared=True)
 
     breaks = iter([lambda: end_connections(plant, postgresql)])
@@ -64,7 +64,7 @@ def test_a_claim_whose_connection_broke_in_the_middle_is_taken_again(plant: Data
     plant.check()
 
 
-def test_a_claim_is_taken_again_after_a_restart(plant: Database, postgresql: Server) -> None:
+def test_a_claim_is_taken_again_after_a_restart(plant: Database, postgresql: PostgresServer) -> None:
     plant.claim()
     end_connections(plant, postgresql)
     plant.check()
@@ -74,7 +74,7 @@ def test_a_claim_is_taken_again_after_a_restart(plant: Database, postgresql: Ser
     second.close()
 
 
-def test_a_claim_that_another_service_took_meanwhile_is_said(plant: Database, postgresql: Server) -> None:
+def test_a_claim_that_another_service_took_meanwhile_is_said(plant: Database, postgresql: PostgresServer) -> None:
     plant.claim()
     end_connections(plant, postgresql)
     second = Database(plant.url)
@@ -118,7 +118,7 @@ def test_a_restore_that_fails_leaves_what_was_there(plant: Database, tmp_path: P
         assert session.scalar(text("SELECT count(*) FROM pg_namespace WHERE nspname = 'rundown_before_restore'")) == 0
 
 
-def end_connections(database: Database, server: Server) -> None:
+def end_connections(database: Database, server: PostgresServer) -> None:
     """As a restart of the server does."""
     name = database.engine.url.database
     server.execute(f"SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = '{name}'")

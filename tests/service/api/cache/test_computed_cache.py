@@ -13,7 +13,7 @@ from service.http.error_status import status_of
 from tests.plant import wait_until
 
 
-class Asked:
+class AskedCache:
     """A cache of which callers ask; its first computation, `first`, runs until `finish` is set."""
 
     def __init__(self) -> None:
@@ -43,8 +43,8 @@ class Asked:
 
 
 @pytest.fixture
-def ask() -> Iterator[Asked]:
-    asked = Asked()
+def ask() -> Iterator[AskedCache]:
+    asked = AskedCache()
     yield asked
     asked.finish.set()
     asked.threads.shutdown()
@@ -61,7 +61,7 @@ def test_an_answer_is_computed_once_and_only_so_many_are_kept() -> None:
     assert made == ["a", "b", "c", "a"]
 
 
-def test_equal_requests_share_one_computation_and_one_place(ask: Asked) -> None:
+def test_equal_requests_share_one_computation_and_one_place(ask: AskedCache) -> None:
     equal = [ask(key, caller="somebody") for key in ("first", "second") for _ in range(30)]
     wait_until(lambda: ask.cache.waiting == 2)
     ask.finish.set()
@@ -72,7 +72,7 @@ def test_equal_requests_share_one_computation_and_one_place(ask: Asked) -> None:
     assert ask.cache.waiting == 0
 
 
-def test_no_caller_takes_all_places(ask: Asked) -> None:
+def test_no_caller_takes_all_places(ask: AskedCache) -> None:
     own = [ask(number, caller="somebody") for number in range(MAXIMUM_WAITING_PER_CALLER - 1)]
     wait_until(lambda: ask.cache.waiting == MAXIMUM_WAITING_PER_CALLER)
     assert "16 computations that you asked for wait already" in ask.refusal("more", caller="somebody").detail
@@ -84,7 +84,7 @@ def test_no_caller_takes_all_places(ask: Asked) -> None:
     assert [one.result(10) for one in (*own, *others)] == [*range(15), *(-1 - number for number in range(32))]
 
 
-def asked_in_order(ask: Asked, names: list[str], *, caller: str) -> "list[Future[Hashable]]":
+def asked_in_order(ask: AskedCache, names: list[str], *, caller: str) -> "list[Future[Hashable]]":
     """Ask one after the other, each after the one before waits."""
     found = []
     for name in names:
@@ -94,7 +94,7 @@ def asked_in_order(ask: Asked, names: list[str], *, caller: str) -> "list[Future
     return found
 
 
-def test_callers_take_turns(ask: Asked) -> None:
+def test_callers_take_turns(ask: AskedCache) -> None:
     """A caller who asks for much at once lets one who asks for little wait for one computation only."""
     waiting = asked_in_order(ask, ["a1", "a2", "a3", "a4"], caller="somebody")
     waiting += asked_in_order(ask, ["b1", "b2"], caller="another")
@@ -131,7 +131,7 @@ def test_where_two_run_at_a_time_nobody_has_both_places() -> None:
     cache.close()
 
 
-def test_who_comes_back_is_behind_those_who_waited(ask: Asked) -> None:
+def test_who_comes_back_is_behind_those_who_waited(ask: AskedCache) -> None:
     """One who asks again as soon as an answer is there does not stand in front of one who asked for many at once."""
     many = asked_in_order(ask, ["b1", "b2", "b3"], caller="another")
     again = asked_in_order(ask, ["a1"], caller="somebody")
@@ -152,7 +152,7 @@ def test_who_comes_back_is_behind_those_who_waited(ask: Asked) -> None:
     assert ask.made == ["first", "b1", "a1", "b2", "a2", "b3"]
 
 
-def test_what_two_ask_for_comes_in_the_turn_of_either(ask: Asked) -> None:
+def test_what_two_ask_for_comes_in_the_turn_of_either(ask: AskedCache) -> None:
     waiting = asked_in_order(ask, ["a1", "a2", "shared"], caller="somebody")
     asked = threading.Event()
     waiting.append(ask("shared", caller="another", wanted=lambda: asked.set() is None))  # type: ignore[func-returns-value]
@@ -162,12 +162,12 @@ def test_what_two_ask_for_comes_in_the_turn_of_either(ask: Asked) -> None:
     assert ask.made == ["first", "shared", "a1", "a2"]
 
 
-def test_only_so_many_requests_wait(ask: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_so_many_requests_wait(ask: AskedCache, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(computation_queue, "MAXIMUM_REQUESTS", 1)
     assert "requests wait already" in ask.refusal("first", caller="another").detail
 
 
-def test_no_caller_makes_all_requests_for_the_same(ask: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_caller_makes_all_requests_for_the_same(ask: AskedCache, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(computation_queue, "MAXIMUM_REQUESTS_PER_CALLER", 3)
     waits = [threading.Event(), threading.Event()]
     own = [ask("first", caller="somebody", wanted=lambda one=one: one.set() is None) for one in waits]  # type: ignore[misc]
@@ -179,7 +179,7 @@ def test_no_caller_makes_all_requests_for_the_same(ask: Asked, monkeypatch: pyte
     assert ask("third", caller="somebody").result(10) == "third"
 
 
-def test_what_nobody_waits_for_is_not_computed(ask: Asked) -> None:
+def test_what_nobody_waits_for_is_not_computed(ask: AskedCache) -> None:
     gone = threading.Event()
     left = ask("left", caller="somebody", wanted=lambda: not gone.is_set())
     shared = ask("shared", caller="somebody", wanted=lambda: not gone.is_set())
@@ -195,7 +195,7 @@ def test_what_nobody_waits_for_is_not_computed(ask: Asked) -> None:
     assert ask.made == ["first", "shared"]
 
 
-def test_an_error_is_told_to_all_who_wait_and_not_kept(ask: Asked) -> None:
+def test_an_error_is_told_to_all_who_wait_and_not_kept(ask: AskedCache) -> None:
     wrong = [ask("wrong", caller="somebody") for _ in range(3)]
     wait_until(lambda: ask.cache.waiting == 2)
     ask.finish.set()
@@ -206,7 +206,7 @@ def test_an_error_is_told_to_all_who_wait_and_not_kept(ask: Asked) -> None:
         ask("wrong", caller="somebody").result(10)
 
 
-def test_what_waits_is_given_up_when_the_service_stops(ask: Asked) -> None:
+def test_what_waits_is_given_up_when_the_service_stops(ask: AskedCache) -> None:
     waiting = ask("second", caller="somebody")
     wait_until(lambda: ask.cache.waiting == 2)
     ask.cache.close()

@@ -234,7 +234,7 @@ def test_large_answers_are_compressed_for_who_takes_it(database: Database) -> No
     assert whole.headers["vary"] == small.headers["vary"] == "Accept-Encoding"
 
 
-class Busy:
+class BusyCallers:
     """Callers who ask at once, of a cache all of whose threads make other answers until `go_on` is set."""
 
     def __init__(self, database: Database) -> None:
@@ -284,7 +284,7 @@ class Busy:
 
 def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Database) -> None:
     async def story() -> list[str]:
-        busy = Busy(database)
+        busy = BusyCallers(database)
         await busy.no_thread_is_free()
         for number in range(20):
             busy.asks(f"/many/{number}", "impatient")
@@ -301,7 +301,7 @@ def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Datab
 
 def test_nothing_is_computed_for_those_who_have_hung_up(database: Database) -> None:
     async def story() -> tuple[list[int], list[str]]:
-        busy = Busy(database)
+        busy = BusyCallers(database)
         await busy.no_thread_is_free()
         for number in range(3):
             busy.asks(f"/gone/{number}", "impatient", gone=True)

@@ -15,15 +15,13 @@ from storage.machines import machines
 from storage.tables.findings import JobRow
 from tests.api_in_process import Api, fields
 from tests.plant import CHANNELS, SECOND, START, arrived, batch, identification, machine, store_identification, sweep_rpm
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 
 @pytest.fixture
 def api(plant: Database) -> Api:
     """Over one machine in a run-up with two alerts, and one of which nothing is known."""
-    PromptJournal(plant, Collector()).store(
-        [arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], []
-    )
+    PromptWriter(plant, Collector()).store([arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], [])
     with plant.transaction() as session:
         machines.create(session, machine(id="fan-2", name="Fan 2"))
         row = store_identification(session, identification(), run_id=100, measured_at=START)
@@ -107,7 +105,7 @@ def test_a_vibration_beyond_its_danger_limit_is_told_until_it_runs_below_it(data
     limits = {"running_rpm": 1400.0, "vibration_danger": 6e-5}
     with database.transaction() as session:
         machines.create(session, machine(operation=limits))
-    journal, told = PromptJournal(database, Collector()), Api(database)
+    writer, told = PromptWriter(database, Collector()), Api(database)
 
     def newest(number: int) -> Any:
         since = f"2026-01-01T00:00:{number:02}Z"  # an address of its own: kept answers may be half a second old
@@ -118,7 +116,7 @@ def test_a_vibration_beyond_its_danger_limit_is_told_until_it_runs_below_it(data
         amplitude[1], marks[1] = um_pp, status
         times = {"start": START + 30 * sequence * SECOND, "step": step_s * SECOND}
         sent = batch([rpm] * 3, sequence=3 * sequence, amplitude=[amplitude] * 3, status=[marks] * 3, **times)
-        journal.store([arrived(sent)], [])
+        writer.store([arrived(sent)], [])
         return newest(sequence)
 
     assert send(0, 119.0) is None

@@ -11,19 +11,19 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import quarantine
 from tests.plant import START, arrived, batch, identification, machine, store_identification
-from tests.prompt_journal import PromptJournal
+from tests.prompt_writer import PromptWriter
 
 CONDITIONS = [{"name": "oil", "unit": "degC"}, {"name": "load", "unit": "%"}]
 
 
 @pytest.fixture
-def warm(plant: Database) -> PromptJournal:
+def warm(plant: Database) -> PromptWriter:
     """A journal of a machine whose newest revision names two conditions; two samples came under the one before."""
-    journal = PromptJournal(plant, Collector())
-    journal.store([arrived(batch([900.0, 901.0]))], [])
+    writer = PromptWriter(plant, Collector())
+    writer.store([arrived(batch([900.0, 901.0]))], [])
     with plant.transaction() as session:
         machines.revise(session, machine(conditions=CONDITIONS))
-    return journal
+    return writer
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def api(plant: Database) -> Iterator[httpx.Client]:
         yield client
 
 
-def test_conditions_are_told_with_the_samples(warm: PromptJournal, api: httpx.Client) -> None:
+def test_conditions_are_told_with_the_samples(warm: PromptWriter, api: httpx.Client) -> None:
     told = {"load": [80.0, None, 82.0], "oil": [61.5, 61.25, 61.0]}
     sent = batch([902.0, 903.0, 904.0], sequence=2, start=START + 2 * 10**9, conditions=told)
     outcomes = warm.store([arrived(sent)], [])
@@ -43,7 +43,7 @@ def test_conditions_are_told_with_the_samples(warm: PromptJournal, api: httpx.Cl
     assert found["conditions"] == {"oil": [61.5, 61.25, 61.0, None], "load": [80.0, None, 82.0, None]}
 
 
-def test_a_condition_that_no_document_names_is_kept_apart(warm: PromptJournal, plant: Database) -> None:
+def test_a_condition_that_no_document_names_is_kept_apart(warm: PromptWriter, plant: Database) -> None:
     (outcome,) = warm.store([arrived(batch([902.0], sequence=2, conditions={"humidity": [40.0]}))], [])
     assert outcome.rejected is not None
     assert outcome.rejected.reason == "unknown_condition"

@@ -37,7 +37,7 @@ from service.api.operation.refusal_words import MEANINGS, refusal_words
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Busy, NotStoring, Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.runs.collector import Collector
 from storage.clock import now
 from storage.database.engine import Database
@@ -72,7 +72,7 @@ class Http(Api):
 @pytest.fixture
 def http(router: zenoh.Session, plant: Database) -> Iterator[Http]:
     submissions = Submissions()
-    ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
+    ingest = Ingest(router, SampleWriter(plant, Collector()), silence_s=60.0, submissions=submissions)
     ingest.start()
     yield Http(plant, submissions, ingest)
     ingest.stop()

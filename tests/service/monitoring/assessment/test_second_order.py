@@ -140,4 +140,4 @@ def test_the_stored_2x_of_the_newest_run_and_of_its_baseline_are_compared(plant:
     assert [value for value, _ in one.baseline] == pytest.approx([1e-6, 2e-6, 3e-6, 4e-6, 5e-6])
     assert one.baseline[0][1] == pytest.approx(1e-7)
     of_derived = [one for one in asked if "FROM derived_quantities" in one]
-    assert len(of_derived) == 2, "loads and 2× in a query each, however many runs and channels there are"
+    assert len(of_derived) == 3, "loads, 2× and forces in a query each, however many runs and channels there are"

@@ -9,7 +9,7 @@ from sqlalchemy.exc import OperationalError
 from service.ingest.ingest_thread import Ingest
 from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import Submissions
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.measurements.quarantine import Rejection
 from tests.service.ingest.plant_network import (
@@ -19,7 +19,7 @@ from tests.service.ingest.plant_network import (
 AWAY = OperationalError("INSERT", {}, Exception("the server went away"))
 
 
-class Partial(Journal):
+class Partial(SampleWriter):
     """Meets an error that nobody foresaw where it stores what one source sends, until it is mended."""
 
     broken = True
@@ -42,8 +42,8 @@ class AwayForOne(Partial):
         return super().store(arrived, rejections, **more)
 
 
-def running(router: zenoh.Session, journal: Journal, submissions: Submissions, until: ExitStack) -> Ingest:
-    ingest = Ingest(router, journal, silence_s=60.0, submissions=submissions)
+def running(router: zenoh.Session, writer: SampleWriter, submissions: Submissions, until: ExitStack) -> Ingest:
+    ingest = Ingest(router, writer, silence_s=60.0, submissions=submissions)
     ingest.start()
     until.callback(ingest.stop)
     return ingest

@@ -1,4 +1,4 @@
-"""The journal: batches become stored samples, each exactly once, together with all consequences.
+"""Sample writer: batches become stored samples, each exactly once, together with all consequences.
 
 One call of `store` is one transaction: sample blocks, reception state of each source, run collection, quarantine. A restart
 therefore finds all of it or none of it.
@@ -37,7 +37,7 @@ Documents = dict[str, tuple[int, Machine]]
 """Revision in force and document of each machine."""
 
 
-class Journal:
+class SampleWriter:
     """Writer of the batches that arrive. Not for concurrent use by several threads."""
 
     def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:

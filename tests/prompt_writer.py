@@ -4,14 +4,14 @@ from collections.abc import Set
 from typing import Any
 
 from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.journal import Journal
+from service.journal.sample_writer import SampleWriter
 from service.runs.closing import Closing
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.measurements.quarantine import Rejection
 
 
-class PromptJournal(Journal):
+class PromptWriter(SampleWriter):
     """Closes what has ended behind each message; `settle` ends what is silent and sorts in what came late."""
 
     def __init__(self, database: Database, collector: Collector | None = None) -> None:
@@ -20,7 +20,7 @@ class PromptJournal(Journal):
         self.closing = Closing(database, collector)
 
     def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
-        """As of Journal."""
+        """As of SampleWriter."""
         outcomes = super().store(arrived, rejections, **more)
         self.closing.close_ended()
         return outcomes

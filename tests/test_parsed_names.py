@@ -1,0 +1,96 @@
+"""Names of parameters are separated into their parts in one place; nothing else decides by how a name begins or ends."""
+
+import ast
+from collections.abc import Iterator
+
+import pytest
+
+from estimator.bearings.registry import OWN_PARAMETERS
+from estimator.bearings.terms import TERMS
+from estimator.machine.part_coefficients import ELEMENTS
+from estimator.quantities import UNITS
+from tests.paths import ROOT
+from tests.syntax_trees import parsed
+
+PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
+KINDS = {*ELEMENTS.values(), "disc", "films", "journal", "material", "oil", "probe", "shaft", "static_load"}
+"""First parts of names, and what films are called."""
+WORDS = KINDS | set(OWN_PARAMETERS) | set(TERMS) | {one.replace(" ", "_") for one in UNITS}
+ENDS = ("startswith", "endswith", "removeprefix", "removesuffix")
+CUTS = ("split", "rsplit", "partition", "rpartition")
+PARSERS = {
+    "estimator/machine/parameter_description.py": "the parser",
+    "estimator/rotor/parameter_names.py": "numbers of critical speeds, which no machine document names",
+    "estimator/bearings/table.py": "a bearing model stands below the parser; it cuts the term off",
+    "service/wording/language.py": "the kind of an element is the key of its word in each language",
+    "service/security/tokens.py": "paths of claims",
+    "service/__main__.py": "names of modules",
+    "rotorundown/environment/optional_packages.py": "names of modules",
+}
+"""Modules that may cut a name at its dots, and why."""
+
+
+def literals(node: ast.expr) -> Iterator[str]:
+    """Yield the constant texts of an argument: of a string, of the beginning of an f-string, or of a tuple of either."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        yield node.value
+    elif isinstance(node, ast.JoinedStr):
+        yield from literals(node.values[0])
+    elif isinstance(node, ast.Tuple):
+        for one in node.elts:
+            yield from literals(one)
+
+
+def is_of_a_name(text: str) -> bool:
+    """Return whether a text is of a parameter's name: a kind, or the beginning of a quantity, or anything between dots."""
+    word = text.strip(".")
+    return bool(word) and (word.partition(".")[0] in WORDS or any(one.startswith(word) for one in WORDS if len(word) > 2))
+
+
+def faults(source: str, *, may_cut: bool) -> list[str]:
+    """Return the calls that look at the ends of a parameter's name, or cut it at its dots where that is not allowed."""
+    found = []
+    for node in ast.walk(parsed(source)):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+            texts = list(literals(node.args[0]))
+            ends = node.func.attr in ENDS and any(is_of_a_name(one) for one in texts)
+            if ends or (node.func.attr in CUTS and texts == ["."] and not may_cut):
+                found.append(ast.unparse(node))
+    return found
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_names_of_parameters_are_parsed_in_one_place(package: str) -> None:
+    paths = {path.relative_to(ROOT).as_posix(): path for path in (ROOT / package).rglob("*.py")}
+    found = {name: faults(path.read_text(), may_cut=name in PARSERS) for name, path in paths.items()}
+    assert {name: calls for name, calls in found.items() if calls} == {}, (
+        "ask estimator.machine.parameter_description.describe"
+    )
+
+
+def test_modules_that_may_cut_names_still_do() -> None:
+    assert [name for name in PARSERS if not faults((ROOT / name).read_text(), may_cut=False)] == []
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "name.startswith('bearing.')",
+        "name.startswith(('coupling.', 'pedestal.'))",
+        "name.startswith(f'films.{bearing}.')",
+        "said.quantity.startswith('elevation')",
+        "name.endswith('.unbalance')",
+        "name.removeprefix('disc.')",
+        "name.rpartition('.')[2]",
+        "element.split('.')",
+    ],
+)
+def test_a_name_that_is_looked_at_by_itself_is_found(call: str) -> None:
+    assert len(faults(call, may_cut=False)) == 1
+
+
+@pytest.mark.parametrize(
+    "call", ["url.startswith('http')", "topic.split('/')", "line.endswith('\\n')", "text.startswith(end)"]
+)
+def test_other_texts_are_not(call: str) -> None:
+    assert faults(call, may_cut=False) == []
