@@ -24,6 +24,16 @@ PATIENCE_S, LOOK_S = 2.0, 0.1
 class DatabaseUnusable(Unavailable):
     """The database cannot be opened, claimed or upgraded; the message names it and the cause."""
 
+    def __init__(self, message: str, *, outline: str = "the service's log says why") -> None:
+        """Set up. outline: the cause without the database's place, for callers, who may be anybody."""
+        super().__init__(message)
+        self._outline = outline
+
+    @property
+    def detail(self) -> str:
+        """Return the cause without the database's place."""
+        return self._outline
+
 
 class Claim:
     """A claim on a database: a lock file beside an SQLite file and a lock on the file itself, or an advisory lock of

@@ -90,7 +90,11 @@ class SqliteFiles:
         Nothing may be written then, and no connection opened, since it would create a second log.
         """
         if (trouble := self.trouble) is not None:
-            raise OperationalError(None, None, DatabaseUnusable(trouble))
+            raise OperationalError(None, None, self.unusable(trouble))
+
+    def unusable(self, trouble: str) -> DatabaseUnusable:
+        """Return the error that reports a trouble: with the folder to whoever may see it, to callers without."""
+        return DatabaseUnusable(trouble, outline=trouble.replace(f"{self._path.parent}/", ""))
 
     @property
     def trouble(self) -> str | None:
