@@ -24,7 +24,9 @@ def require_measured(path: Path) -> None:
             total += size
             if total > most:
                 said = f"it holds more than {most / 2**20:.0f} MiB in {path.stat().st_size / 2**20:.1f} MiB"
-                raise BrokenFile("unreadable_file", f"{said}, which no measured values do: export it anew, without compression")
+                raise BrokenFile(
+                    "unreadable_file", f"{said}, which no measured values do: export it anew, without compression"
+                )
 
 
 def _expanded(opened: BinaryIO) -> Iterator[int]:
