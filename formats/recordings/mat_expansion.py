@@ -1,4 +1,4 @@
-"""How much a compressed MAT file holds, looked at before it is read: a file of 2 MB may say that it holds 2 GB of zeros."""
+"""Bounds what a compressed MAT file becomes, before it is read: 2 MB may hold 2 GB of zeros."""
 
 import struct
 import zlib

@@ -152,6 +152,12 @@ def file_of(engine: Engine) -> Path | None:
     return Path(os.path.realpath(name)) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None
 
 
+def without_folder(engine: Engine, text: str) -> str:
+    """Return a text without the folder of an SQLite file, for whoever need not know where it lies."""
+    path = file_of(engine)
+    return text if path is None else text.replace(f"{path.parent}/", "")
+
+
 def in_use(path: Path) -> bool:
     """Return whether another process has the claim on an SQLite file, under whatever name. Raises OSError."""
     return path.is_file() and file_lock.held_by_another(path)

@@ -104,11 +104,6 @@ class Database:
         """Return product and version, such as `SQLite 3.51.3`."""
         return versions.named(self.engine)
 
-    def without_folder(self, text: str) -> str:
-        """Return a text without the folder of an SQLite file, for whoever need not know where it lies."""
-        path = file_of(self.engine)
-        return text if path is None else text.replace(f"{path.parent}/", "")
-
     @property
     def objections(self) -> list[str]:
         """Return the known objections to the version of the database."""

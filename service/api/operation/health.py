@@ -15,7 +15,7 @@ from service.api.conventions.times import Time
 from service.api.operation import rendering, schemas
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
 from service.security.role import Role
-from storage.database.claim import DatabaseUnusable
+from storage.database.claim import DatabaseUnusable, without_folder
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
 from storage.measurements import quarantine, samples
@@ -90,8 +90,8 @@ async def _health(request: Request) -> schemas.Health:
 
 def _without_folder(whole: schemas.Health, kept: Database) -> schemas.Health:
     """Return a report for whoever does not administer the service: what ails it, and not where its files lie."""
-    parts = {name: kept.without_folder(state) for name, state in whole.parts.items()}
-    return whole.model_copy(update={"parts": parts, "warnings": [kept.without_folder(one) for one in whole.warnings]})
+    parts = {name: without_folder(kept.engine, state) for name, state in whole.parts.items()}
+    return whole.model_copy(update={"parts": parts, "warnings": [without_folder(kept.engine, one) for one in whole.warnings]})
 
 
 @router.get("/health", operation_id="read_health", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})

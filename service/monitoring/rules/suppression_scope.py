@@ -1,4 +1,4 @@
-"""What a suppression may name: a rule and an element of which the machine can have an alert."""
+"""Checks what a suppression names: a rule and an element of which the machine can have an alert."""
 
 from collections.abc import Collection, Iterator, Sequence
 
