@@ -50,7 +50,7 @@ HOPS = [
     ([FORGED, "198.51.100.1"], "198.51.100.1"),  # two lines: the proxy's own comes last
     ([], "127.0.0.1"),
 ]
-"""What X-Forwarded-For says, line by line, and the address that counts."""
+"""Lines of X-Forwarded-For, and the address that counts."""
 
 
 def test_of_several_hops_the_last_that_is_no_trusted_proxy_counts(tmp_path: Path) -> None:
