@@ -143,8 +143,8 @@ service/api/trends: estimator estimator/trends estimator/updated_model service/a
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
 service/api/alerts: estimator service/advice service/alerts service/api/cache service/api/conventions
-    service/api/findings service/delivery service/reports service/resilience service/secrets service/security
-    service/wording storage storage/alerts storage/database storage/machines storage/tables
+    service/api/findings service/delivery service/monitoring/rules service/reports service/resilience service/secrets
+    service/security service/wording storage storage/alerts storage/database storage/machines storage/tables
 service/api: rotorundown/environment service/advice service/api/alerts service/api/cache service/api/conventions
     service/api/findings service/api/machines service/api/measurements service/api/operation service/api/trends
     service/configuration service/delivery service/http service/identification service/journal service/reports

@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from estimator.arrays import Floats
+from formats.recordings.mat_expansion import require_measured
 from formats.recordings.measured_columns import BrokenFile, MeasuredColumns
 
 
@@ -16,6 +17,7 @@ def mat_columns(path: Path) -> MeasuredColumns:
     """Return the columns of a MAT file. Raises BrokenFile."""
     import scipy.io  # half a second, which only those who need it should spend
 
+    require_measured(path)
     try:
         with path.open("rb") as opened:
             found: dict[str, Any] = scipy.io.loadmat(cast(Any, opened))

@@ -4,6 +4,7 @@ from sqlalchemy.exc import DataError, DBAPIError
 
 from estimator.errors import Damaged, DomainError, Invalid, Unavailable
 from storage.database.damage import error_text, is_damage
+from storage.database.errors import error_outline
 
 
 def categorized(error: DBAPIError) -> DomainError:
@@ -12,4 +13,4 @@ def categorized(error: DBAPIError) -> DomainError:
         return Invalid(f"the database cannot hold or look for that: {error.orig}")
     if is_damage(error):
         return Damaged(f"what is stored is damaged, and cannot be read: {error_text(error)}")
-    return Unavailable(f"the database does not answer: {error.orig}")
+    return Unavailable(f"the database does not answer: {error_outline(error)}")

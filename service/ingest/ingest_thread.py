@@ -10,7 +10,7 @@ from service.journal.http_queue import Submissions
 from service.journal.sample_writer import SampleWriter
 from service.replication.work_share import Share, WholeShare
 from service.resilience.supervised_thread import UNEXPECTED, SupervisedThread
-from storage.database.errors import LeaseLost, error_message, is_database_wide
+from storage.database.errors import LeaseLost, error_message, error_outline, is_database_wide
 from storage.recent_maximum import RecentMaximum
 
 logger = logging.getLogger(__name__)
@@ -121,9 +121,10 @@ class Ingest(SupervisedThread):
             self._errors += 1
         if not self._stops_storing(error):
             return 0.0
-        trouble = error_message(error) if is_database_wide(error) else UNEXPECTED
-        self.trouble = self._submissions.trouble = trouble
-        self._cycle.refuse_all(trouble)
+        of_database = is_database_wide(error)
+        self.trouble = error_message(error) if of_database else UNEXPECTED
+        self._submissions.trouble = error_outline(error) if of_database else UNEXPECTED
+        self._cycle.refuse_all(self._submissions.trouble)
         return RETRY_S
 
     def _stops_storing(self, error: Exception) -> bool:

@@ -11,7 +11,7 @@ from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
-from storage.database.errors import error_message, is_database_wide
+from storage.database.errors import error_outline, is_database_wide
 
 LARGEST_CYCLE = 1_000
 """Largest number of messages held at once."""
@@ -79,7 +79,7 @@ class Intake:
             try:
                 self._submission(submission)
             except Exception as error:
-                submission.promise.set_exception(NotStoring(error_message(error) if is_database_wide(error) else UNFORESEEN))
+                submission.promise.set_exception(NotStoring(error_outline(error) if is_database_wide(error) else UNFORESEEN))
                 raise
         self.is_behind |= time.monotonic() >= ends
         return count

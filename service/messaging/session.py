@@ -41,6 +41,8 @@ def open_session(
         "scouting/multicast/enabled": False,
         # Shared memory silently loses samples of a lagging receiver.
         "transport/shared_memory/enabled": False,
+        # Through an admin space (`@/**`) whoever reaches a session reads who is connected, and may change its settings.
+        "adminspace/enabled": False,
     }
     if not connect:
         # A router waits this long for discovery before `open` returns.

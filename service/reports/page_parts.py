@@ -1,6 +1,7 @@
 """Parts of a report's pages as HTML: headings, tables, lists, figures, and the style sheet that they share."""
 
 import html
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from datetime import datetime
@@ -26,7 +27,7 @@ figure { display: inline-block; margin: 2px 4px 6px 0; vertical-align: top } fig
 figure svg { display: block } table { border-collapse: collapse; width: 100% }
 thead { display: table-header-group } th, td { text-align: left; vertical-align: top; padding: 2px 6px 2px 0; font-size: 9px;
   border-bottom: 1px solid #e3e6ea; white-space: nowrap }
-td.long { white-space: pre-line; overflow-wrap: anywhere }
+td.long { white-space: pre-line; overflow-wrap: break-word }
 .next { break-before: page }
 """
 
@@ -37,7 +38,8 @@ def style(language: Language) -> str:
 
 
 LONG_WORDS = 20
-"""Characters of a cell from which on it may be broken anywhere."""
+"""Characters of a cell, and of a word in it, from which on it may be broken."""
+_LONG_WORD = re.compile(rf"\S{{{LONG_WORDS}}}(?=\S)")
 
 
 def escaped(words: str) -> str:
@@ -74,8 +76,11 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _cell(words: str) -> str:
-    long = ' class="long"' if len(words) > LONG_WORDS else ""
-    return f"<td{long}>{escaped(words)}</td>"
+    if len(words) <= LONG_WORDS:
+        return f"<td>{escaped(words)}</td>"
+    # Where every character may end a line, the printer tries them all: a second for a cell of some 1,000.
+    parts = _LONG_WORD.sub("\\g<0>\0", words.replace("\0", "")).split("\0")
+    return f'<td class="long">{"<wbr>".join(map(escaped, parts))}</td>'
 
 
 def captioned(caption: str, drawing: str) -> str:

@@ -24,6 +24,16 @@ PATIENCE_S, LOOK_S = 2.0, 0.1
 class DatabaseUnusable(Unavailable):
     """The database cannot be opened, claimed or upgraded; the message names it and the cause."""
 
+    def __init__(self, message: str, *, outline: str = "the service's log says why") -> None:
+        """Set up. outline: the cause without the database's place, for callers, who may be anybody."""
+        super().__init__(message)
+        self._outline = outline
+
+    @property
+    def detail(self) -> str:
+        """Return the cause without the database's place."""
+        return self._outline
+
 
 class Claim:
     """A claim on a database: a lock file beside an SQLite file and a lock on the file itself, or an advisory lock of
@@ -140,6 +150,12 @@ def file_of(engine: Engine) -> Path | None:
     """Return the file of an SQLite database with links resolved, as SQLite places its log beside it; None without a file."""
     name = engine.url.database
     return Path(os.path.realpath(name)) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None
+
+
+def without_folder(engine: Engine, text: str) -> str:
+    """Return a text without the folder of an SQLite file, for whoever need not know where it lies."""
+    path = file_of(engine)
+    return text if path is None else text.replace(f"{path.parent}/", "")
 
 
 def in_use(path: Path) -> bool:

@@ -21,6 +21,7 @@ from sqlalchemy.orm import Session, sessionmaker
 from storage.database import versions, writer_turn
 from storage.database.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.database.damage import MALFORMED_JSON, Damage, marker_of
+from storage.database.errors import error_outline
 from storage.database.file_inspection import damages
 from storage.database.schema_upgrade import bring_up_to_date
 from storage.database.sqlite_files import SqliteFiles
@@ -161,7 +162,7 @@ class Database:
         if files.mended > mended:
             self.damage.record_findings([MENDED])
         if (trouble := files.trouble) is not None:
-            raise DatabaseUnusable(trouble)
+            raise files.unusable(trouble)
 
     def check_integrity(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
         """Check all pages of a damaged SQLite store; clear the record of the damage when they are whole.
@@ -197,7 +198,8 @@ class Database:
                 session.execute(select(1))
             self._claim.reacquire()
         except DBAPIError as error:
-            raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
+            said, told = f"the database does not answer: {error.orig}", f"the database does not answer: {error_outline(error)}"
+            raise DatabaseUnusable(said, outline=told) from error
 
     def close(self) -> None:
         """Close all connections and release the claim."""

@@ -1,9 +1,11 @@
 """Errors of the database and of leases: how far they reach, and their messages."""
 
+import sqlite3
 from collections.abc import Collection
 
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, TimeoutError
 
+from storage.database.claim import DatabaseUnusable
 from storage.database.damage import is_confined
 
 
@@ -25,6 +27,19 @@ def is_database_wide(error: BaseException) -> bool:
     return isinstance(error, LeaseLost | DBAPIError | TimeoutError) and not of_one
 
 
+def error_outline(error: Exception) -> str:
+    """Return the cause of an error of the database for callers, who may be anybody: without the database's place.
+
+    PostgreSQL's own messages name its address, users and tables.
+    """
+    cause = getattr(error, "orig", None) or error
+    if isinstance(cause, DatabaseUnusable):
+        return cause.detail
+    if isinstance(cause, sqlite3.Error | LeaseLost | TimeoutError):
+        return str(cause)
+    return f"{type(cause).__name__} of PostgreSQL"
+
+
 def error_message(error: Exception) -> str:
-    """Return the message of the database or, without one, of the error."""
+    """Return the message of the database or, without one, of the error, for the log and for administrators."""
     return str(getattr(error, "orig", None) or error)

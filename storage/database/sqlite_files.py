@@ -48,6 +48,7 @@ class SqliteFiles:
         self._opened = {one: _place(one) for one in (path, log, index)}
         self._lock = threading.Lock()
         self._lost_file: Path | None = None
+        self._barred: PermissionError | None = None
         self._cut_off: Path | None = None
         self._overwritten = self._complete = False
         self._lost_frames: int | None = None
@@ -66,8 +67,12 @@ class SqliteFiles:
         if self._lost_file is None:
             # After `close` only the main file remains.
             looked_at = [self._path] if self._closed else list(self._opened)
-            self._lost_file = next((one for one in looked_at if _place(one) != self._opened[one]), None)
-        return self._lost_file is None and self.content_is_ours(further=further)
+            try:
+                self._lost_file = next((one for one in looked_at if _place(one) != self._opened[one]), None)
+                self._barred = None
+            except PermissionError as error:  # nothing is lost by that: the files are open, and it may be given back
+                self._barred = error
+        return self._lost_file is None and self._barred is None and self.content_is_ours(further=further)
 
     def content_is_ours(self, *, further: int = 0) -> bool:
         """Return whether nobody has cut off the log or written over it or the main file, as far as they are looked at."""
@@ -90,7 +95,11 @@ class SqliteFiles:
         Nothing may be written then, and no connection opened, since it would create a second log.
         """
         if (trouble := self.trouble) is not None:
-            raise OperationalError(None, None, DatabaseUnusable(trouble))
+            raise OperationalError(None, None, self.unusable(trouble))
+
+    def unusable(self, trouble: str) -> DatabaseUnusable:
+        """Return the error that reports a trouble: with the folder to whoever may see it, to callers without."""
+        return DatabaseUnusable(trouble, outline=trouble.replace(f"{self._path.parent}/", ""))
 
     @property
     def trouble(self) -> str | None:
@@ -105,6 +114,11 @@ class SqliteFiles:
                 f"{self._cut_off} was cut off or overwritten while the service had it open; what is lost of what was stored "
                 f"last, keys and settings included: {lost}; {self._rest} keeps what is left of the log. Nothing more is "
                 "stored: restart the service, which asks the sources' logs for lost samples again"
+            )
+        if self._lost_file is None and self._barred is not None:
+            return (
+                f"the service has lost the permission to look at {self._barred.filename}: give its user the folder back, and "
+                "it goes on by itself; all that was acknowledged is saved"
             )
         gone = f"{self._lost_file} was deleted or replaced while the service had it open"
         if self._lost_file == self._path:
@@ -152,7 +166,9 @@ class SqliteFiles:
                 if mends and logged == done:
                     self._cut_off, self.mended = None, self.mended + 1
                 else:
-                    self.saved = logged == done and not mends
+                    saved = logged == done and not mends
+                    self.saved = saved and (self._lost_file or self._cut_off) is not None
+                    return saved
             return self.saved
 
     def _leave_overwritten(self) -> bool:
@@ -183,6 +199,8 @@ class SqliteFiles:
 def _place(file: Path) -> tuple[int, int] | None:
     try:
         found = file.stat()
+    except PermissionError:
+        raise
     except OSError:
         return None
     return (found.st_dev, found.st_ino) if stat.S_ISREG(found.st_mode) else None

@@ -10,11 +10,14 @@ from service.api.conventions.dependencies import MachineId, Number, Reading, dat
 from service.api.conventions.paging import ById
 from service.api.conventions.preconditions import IfMatch, require, tagged
 from service.api.conventions.problems import CHANGES, RESPONSES
+from service.monitoring.rules.suppression_scope import require_possible
 from service.security.requirement import OPERATOR, VIEWER
-from storage.alerts import suppressions
+from storage.alerts import alerts, suppressions
 from storage.clock import now
 from storage.machines import machines
 
+MOST_ALERTS = 1000
+"""Most open alerts whose rule and element may be suppressed though the machine's document no longer has them."""
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 
@@ -40,6 +43,10 @@ def begin_suppression(
     until = None if body.until is None else instant(body.until)
     if until is not None and until <= now():
         raise Forbidden("until must be a moment to come")
+    with database(request).reading() as session:  # a document is long, and other writers wait for a transaction
+        document = machines.document(session, machine_id)
+        standing = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST_ALERTS)
+        require_possible(document, said.rule, said.element, of_alerts=[(one.rule, one.element) for one in standing])
     with database(request).transaction() as session:
         machines.get(session, machine_id)
         row = transitions.suppress(

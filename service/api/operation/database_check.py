@@ -35,7 +35,8 @@ class DatabaseCheck:
             # Shielded: other callers wait for it too.
             return await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(self._pending)), left)
         except TimeoutError:
-            raise DatabaseUnusable(f"the database has not answered for {time.monotonic() - since:.0f} s") from None
+            said = f"the database has not answered for {time.monotonic() - since:.0f} s"
+            raise DatabaseUnusable(said, outline=said) from None
 
     def _count_jobs(self, asked: "Future[dict[str, int]]") -> None:
         try:

@@ -14,7 +14,8 @@ from service.api.conventions.paging import ById, BySource
 from service.api.conventions.times import Time
 from service.api.operation import rendering, schemas
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
-from storage.database.claim import DatabaseUnusable
+from service.security.role import Role
+from storage.database.claim import DatabaseUnusable, without_folder
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
 from storage.measurements import quarantine, samples
@@ -79,12 +80,18 @@ async def _health(request: Request) -> schemas.Health:
     )
     who = principal(request)
     if who.kind != "anonymous" and who.plants is None:
-        return whole
+        return whole if who.role is Role.ADMIN else _without_folder(whole, kept)
     # What ails it may name machines and files: who is not known is told that much and no more.
     outline = {name: "ok" if state == "ok" else "not ok" for name, state in parts.items()}
     return whole.model_copy(
         update={"parts": outline, "jobs": {}, "database": "", "warnings": []} | ({} if who.known else {"version": ""})
     )
+
+
+def _without_folder(whole: schemas.Health, kept: Database) -> schemas.Health:
+    """Return a report for whoever does not administer the service: what ails it, and not where its files lie."""
+    parts = {name: without_folder(kept.engine, state) for name, state in whole.parts.items()}
+    return whole.model_copy(update={"parts": parts, "warnings": [without_folder(kept.engine, one) for one in whole.warnings]})
 
 
 @router.get("/health", operation_id="read_health", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})

@@ -141,3 +141,18 @@ def test_a_cut_mdf_file_is_told_in_one_line(tmp_path: Path, capfd: pytest.Captur
     with pytest.raises(UnreadableFile, match="not a whole MDF file, cut short or damaged: copy or export it anew"):
         read_recording(tmp_path / "a.mf4")
     assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_compressed_mat_file_is_read(tmp_path: Path) -> None:
+    mapped(tmp_path)
+    scipy.io.savemat(tmp_path / "a.mat", {"Speed": RPM, "A": AMPLITUDE, "P": PHASE}, do_compression=True)
+    assert_read(tmp_path / "a.mat")
+
+
+def test_a_mat_file_that_becomes_more_than_measured_values_would_is_refused_unread(tmp_path: Path) -> None:
+    mapped(tmp_path)
+    zeros = {name: np.zeros(5_000_000) for name in ("Speed", "A", "P")}
+    scipy.io.savemat(tmp_path / "a.mat", zeros, do_compression=True)
+    assert (tmp_path / "a.mat").stat().st_size < 300_000
+    with pytest.raises(UnreadableFile, match=r"holds more than 64 MiB in 0\.1 MiB"):
+        read_recording(tmp_path / "a.mat")

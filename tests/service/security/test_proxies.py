@@ -43,6 +43,32 @@ def test_the_address_is_the_peers_own_unless_a_trusted_proxy_says_another(
     assert (told.address, told.outcome) == (address if limited else "19 addresses", f"refused: {more}")
 
 
+HOPS = [
+    ([f"198.51.100.1, {FORGED}"], FORGED),  # the first is what the caller wrote, the last what the proxy saw
+    ([f"198.51.100.1, {FORGED}, 10.0.3.7, 127.0.0.9"], FORGED),  # over trusted proxies
+    ([f"{FORGED},10.0.4.7"], "10.0.4.7"),  # over a proxy that is not named
+    ([FORGED, "198.51.100.1"], "198.51.100.1"),  # two lines: the proxy's own comes last
+    ([], "127.0.0.1"),
+]
+"""Lines of X-Forwarded-For, and the address that counts."""
+
+
+def test_of_several_hops_the_last_that_is_no_trusted_proxy_counts(tmp_path: Path) -> None:
+    service = Service(tmp_path, RUNDOWN_TRUSTED_PROXIES='["127.0.0.0/8", "10.0.3.0/24"]')
+    made = [
+        rundown("key", "create", f"anna-{one}", "--role", "admin", "--database", service.database) for one in range(len(HOPS))
+    ]
+    keys = [one.stdout.strip() for one in made]
+    page = httpx.Client(base_url=f"http://127.0.0.1:{service.port}")
+    with closing(service.client), service.running(), page as client:
+        for key, (lines, _) in zip(keys, HOPS, strict=True):
+            headers = [("X-Forwarded-For", one) for one in lines]
+            assert client.post("/login", data={"key": key}, headers=headers).status_code == 303
+        rows = client.get("/api/v1/audit", params={"limit": 50}, headers=bearer(keys[0])).json()
+    logins = [row["address"] for row in reversed(rows) if row["operation"] == "log_in"]
+    assert logins == [address for _, address in HOPS]
+
+
 def test_a_proxy_is_known_on_either_kind_of_socket() -> None:
     networks = [ip_network("127.0.0.1"), ip_network("10.0.3.0/24"), ip_network("fd00::/8")]
     assert normalised_networks(networks)[3:] == ["::ffff:127.0.0.1/128", "::ffff:10.0.3.0/120"]

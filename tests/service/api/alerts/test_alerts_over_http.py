@@ -150,6 +150,47 @@ def test_a_machine_goes_out_of_service_and_comes_back(plant: Database, api: http
     assert "moment to come" in refused(api.post("/machines/pump-7/suppressions", json=past), 409)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "field", "close"),
+    [
+        ({"rule": "misaligment"}, "rule", "did you mean 'misalignment'"),
+        ({"rule": "zzz"}, "rule", "there are misalignment, bearing"),
+        ({"element": "coupling.c1"}, "element", "did you mean 'coupling.C1'"),
+        ({"element": "bearing.B17x"}, "element", "did you mean 'bearing.B1'"),
+        ({"rule": "misalignment", "element": "bearing.B1"}, "element", "they are of a coupling"),
+    ],
+)
+def test_a_suppression_of_what_can_have_no_alert_is_refused(
+    api: httpx.Client, wrong: dict[str, str], field: str, close: str
+) -> None:
+    answer = api.post("/machines/pump-7/suppressions", json=ANNA | {"kind": "out_of_service"} | wrong)
+    refused(answer, 422)
+    (error,) = answer.json()["errors"]
+    assert error["field"] == field
+    assert close in error["message"]
+    assert api.get("/machines/pump-7/suppressions").json() == []
+
+
+def test_an_alert_that_stands_may_be_suppressed_though_the_document_no_longer_has_its_element(
+    plant: Database, api: httpx.Client
+) -> None:
+    wanted = ANNA | {"kind": "out_of_service", "rule": "coupling", "element": "coupling.GONE"}
+    refused(api.post("/machines/pump-7/suppressions", json=wanted | {"rule": None}), 422)
+    alert = raised(plant, "coupling.GONE")
+    assert api.get(f"/alerts/{alert}").json()["rule"] == "misalignment"
+    refused(api.post("/machines/pump-7/suppressions", json=wanted | {"rule": "oil"}), 422)
+    assert api.post("/machines/pump-7/suppressions", json=wanted | {"rule": "misalignment"}).status_code == 201
+    assert api.get(f"/alerts/{alert}").json()["state"] == "out_of_service"
+
+
+@pytest.mark.parametrize(
+    "right", [{"element": "machine", "rule": "oil"}, {"rule": "rate_of_change"}, {"element": "bearing.B2"}]
+)
+def test_a_suppression_of_what_can_have_an_alert_is_taken(api: httpx.Client, right: dict[str, str]) -> None:
+    answer = api.post("/machines/pump-7/suppressions", json=ANNA | {"kind": "suppressed_by_design"} | right)
+    assert answer.status_code == 201, answer.text
+
+
 def test_comments_and_the_timeline(plant: Database, api: httpx.Client) -> None:
     alert = raised(plant)
     assert api.post(f"/alerts/{alert}/comments", json=ANNA).json()["events"] == 2

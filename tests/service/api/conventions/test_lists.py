@@ -56,7 +56,7 @@ def test_every_list_goes_on(api: Api) -> None:
             jobs.enqueue(session, KEY.machine, scope=jobs.GATHERED, run_ids=[number, 99])
     for word in ("one", "two"):
         api("POST", f"/machines/{KEY.machine}/timeline", 201, json=NOTE | {"text": word, "kind": "maintenance"})
-        suppression = ANNA | {"kind": "out_of_service", "rule": word}
+        suppression = ANNA | {"kind": "out_of_service", "comment": word}
         api("POST", f"/machines/{KEY.machine}/suppressions", 201, json=suppression)
         api("POST", "/alerts/1/comments", json=ANNA | {"comment": word})
     of_machine = ("revisions", "identifications", "jobs", "timeline", "suppressions", "baselines")

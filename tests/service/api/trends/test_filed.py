@@ -1,5 +1,6 @@
 """Tests what was identified since a cursor, in all formats, and trends as line protocol."""
 
+import csv
 import io
 import re
 from typing import Any
@@ -12,9 +13,10 @@ from arro3.io import read_parquet
 from service.api.trends import filed as filed_module
 from storage.database.engine import Database
 from storage.findings import filed_estimates
+from storage.machines import machines
 from tests.api_in_process import PREFIX, Api
 from tests.paths import ROOT
-from tests.plant import KEY, START, identification, store_identification
+from tests.plant import KEY, START, identification, machine, store_identification
 
 
 def stored(plant: Database, *runs: int) -> list[int]:
@@ -68,6 +70,19 @@ def test_every_format_says_the_same(plant: Database) -> None:
     assert f"machine={KEY.machine}" in line
     assert f"value={kxx['value']!r}" in line
     assert line.endswith(f" {START + 10**9}")
+
+
+def test_a_name_that_a_spreadsheet_would_compute_is_text_in_csv(plant: Database) -> None:
+    """Names of machines are letters, digits, '_' and '-': the last may begin one."""
+    formula = "-1-A2"
+    with plant.transaction() as session:
+        machines.create(session, machine(id=formula))
+        row = store_identification(session, identification(), run_id=9, measured_at=START, machine_id=formula)
+        row.computed_at -= filed_estimates.HELD_BACK_NS
+    answer = Api(plant).get("/estimates?format=csv")
+    told = [row["machine"] for row in csv.DictReader(io.StringIO(answer.text, newline=""))]
+    assert set(told) == {f"'{formula}"}
+    assert formula in {one["machine"] for one in Api(plant).value("/estimates")["estimates"]}
 
 
 def test_what_is_too_new_or_too_old_waits_or_is_left_out(plant: Database) -> None:
