@@ -13,6 +13,7 @@ from playwright.sync_api import expect, sync_playwright
 
 import rotorundown
 from docs_site import source
+from docs_site.__main__ import build
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
 from docs_site.equations import with_equations
@@ -199,7 +200,6 @@ def test_a_broken_link_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     configuration = write_source(tmp_path / "source", short=True)
     python = tmp_path / "source" / "pages" / "python.md"
     python.write_text(python.read_text() + "\n[nowhere](nowhere.md)\n")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(configuration)]
-    broken = subprocess.run([*command, "--site-dir", str(tmp_path / "broken")], capture_output=True, text=True, check=False)
+    broken = build(configuration, tmp_path / "broken")
     assert broken.returncode != 0
     assert "nowhere.md" in broken.stderr
