@@ -25,6 +25,7 @@ from docs_site.python_reference import python_page
 from docs_site.rest_reference import DOCUMENT, rest_page
 from docs_site.settings_reference import settings_page
 from docs_site.source import DOCS, ELSEWHERE, NAVIGATION, REFERENCES, site_links, write_source
+from docs_site.usual_values import USUAL
 from estimator.errors import DomainError
 from estimator.machine.document import Machine
 from formats.wire.rejection import Reason
@@ -70,6 +71,14 @@ def test_every_field_of_a_document_has_a_meaning() -> None:
     rows = [line.split(" | ") for line in document_page().splitlines() if line.startswith("| `")]
     assert len(rows) > 200
     assert [row[0] for row in rows if not row[3].strip()] == []
+
+
+def test_every_number_of_a_document_has_a_usual_value() -> None:
+    rows = [line.split(" | ") for line in document_page().splitlines() if line.startswith("| `")]
+    numbers = [row for row in rows if "number" in row[1]]
+    assert len(numbers) > 150
+    assert [row[0] for row in numbers if not row[4].strip(" |")] == []
+    assert [f"{part}.{name}" for part, name in USUAL if not any(row[0] == f"| `{name}`" for row in rows)] == []
 
 
 def test_every_finding_has_its_texts_and_limits() -> None:
