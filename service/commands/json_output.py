@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from service.commands.terminal import print_text
 
 _awaited: ContextVar[bool] = ContextVar("_awaited", default=False)
-"""Whether the running command was asked for JSON and has printed none yet."""
+"""True where the running command was asked for JSON and has printed none yet."""
 
 
 def _note(asked: bool) -> bool:
