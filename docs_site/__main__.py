@@ -19,11 +19,19 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="rundown-site-") as folder:
         configuration = write_source(Path(folder), short=options.short)
-        command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--config-file", str(configuration)]
-        built = subprocess.run([*command, "--site-dir", str(options.folder.resolve())], check=False)
+        built = build(configuration, options.folder.resolve())
     if built.returncode == 0:
         print(f"built: {options.folder / 'index.html'}")
+    else:
+        print(built.stderr, file=sys.stderr)
     return built.returncode
+
+
+def build(configuration: Path, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Build the site from its written source into a folder, and return how that ended, with what it said."""
+    # Not with --quiet: what is not said is not counted, and no broken link would fail.
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(configuration)]
+    return subprocess.run([*command, "--site-dir", str(folder)], check=False, capture_output=True, text=True)
 
 
 if __name__ == "__main__":

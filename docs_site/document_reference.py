@@ -7,14 +7,16 @@ from typing import Any
 from pydantic import BaseModel
 
 from docs_site.cli_reference import table_cell
+from docs_site.usual_values import USUAL
 from estimator.machine.document import Machine
 from formats.files.document_files import read_machine
 
 HEAD = """# Machine document: reference
 
 Every part and field that a document may have, in SI units unless a name ends in another. `rundown init` writes a commented
-one, `rundown check` names each wrong field. Axes: z along the train from driver to driven, x horizontal, y vertical. The last
-column has the smallest and the largest number that the documents in `examples/` give, as a hint at what is usual.
+one, `rundown check` names each wrong field. Axes: z along the train from driver to driven, x horizontal, y vertical. What is
+usual: the smallest and the largest number that the documents in `examples/` give; where none gives any, what is met in
+practice, or the default. It is a hint, no bound.
 """
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -82,13 +84,18 @@ def _part(
         if "enum" in schema:
             yield ", ".join(f"`{one}`" for one in schema["enum"])
         return
-    yield from ("| field | kind | default | meaning | in the examples |", "|---|---|---|---|---|")
+    yield from ("| field | kind | default | meaning | usual |", "|---|---|---|---|---|")
     needed = set(schema.get("required", ()))
     for field, said in schema["properties"].items():
         default = "needed" if field in needed else _default(said.get("default"))
         bounds = _bounds(said)
         meaning = "; ".join(part for part in (table_cell(_meaning(said, parts)), bounds) if part)
-        yield f"| `{field}` | {_kind(said)} | {default} | {meaning} | {_range(usual.get((name, field), []))} |"
+        yield f"| `{field}` | {_kind(said)} | {default} | {meaning} | {_usual_words(name, field, said, usual)} |"
+
+
+def _usual_words(part: str, field: str, said: dict[str, Any], usual: dict[tuple[str, str], list[float]]) -> str:
+    known = _range(usual.get((part, field), [])) or USUAL.get((part, field), "")
+    return known or ("the default" if "number" in _kind(said) and said.get("default") is not None else "")
 
 
 def _meaning(said: dict[str, Any], parts: dict[str, Any]) -> str:

@@ -12,7 +12,7 @@ from docs_site.finding_reference import findings_page
 from docs_site.gallery import NOTEBOOKS, write_gallery
 from docs_site.method_figures import with_figures
 from docs_site.python_reference import python_page
-from docs_site.rest_reference import rest_page
+from docs_site.rest_reference import DOCUMENT, rest_page
 from docs_site.settings_reference import settings_page
 
 ROOT = Path(__file__).parents[1]
@@ -84,7 +84,7 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
 def write_source(folder: Path, *, short: bool) -> Path:
     """Write pages and configuration into a folder, and return the path of the configuration. short: notebooks in short."""
     pages = folder / "pages"
-    shutil.copytree(DOCS, pages, ignore=shutil.ignore_patterns("*.json"))
+    shutil.copytree(DOCS, pages, ignore=shutil.ignore_patterns(DOCUMENT.name))
     for page in pages.glob("*.md"):
         text = with_equations(site_links(page.read_text(encoding="utf-8"), DOCS))
         page.write_text(with_figures(text, pages, short=short), encoding="utf-8")

@@ -2,22 +2,35 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Never
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
 
 from estimator.errors import Invalid
 from estimator.strict_model import StrictModel
+
+
+class Within:
+    """Bounds of a finite number. The library would apply each bound by itself, for several hundred fields at every start."""
+
+    def __init__(self, **bounds: float) -> None:
+        self._schema: Any = {"type": "float", **bounds, "allow_inf_nan": False}
+
+    def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return what pydantic makes of a float with these bounds."""
+        return dict(self._schema)  # one for each field: pydantic adds to it
+
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
 Text = Annotated[str, Field(pattern=r"^[^\x00]*$")]
 """A text that every store takes."""
 # Bounds far beyond any machine: they catch slips of the pen before they become numbers that no arithmetic survives.
-Positive = Annotated[float, Field(gt=0, lt=1e15, allow_inf_nan=False)]
-Direct = Annotated[float, Field(gt=1e-30, lt=1e15, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, lt=1e15, allow_inf_nan=False)]
-Real = Annotated[float, Field(gt=-1e15, lt=1e15, allow_inf_nan=False)]
-Length = Annotated[float, Field(gt=1e-6, lt=100, allow_inf_nan=False)]
-Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False)]
-Spread = Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
+Positive = Annotated[float, Within(gt=0, lt=1e15)]
+Direct = Annotated[float, Within(gt=1e-30, lt=1e15)]
+NotNegative = Annotated[float, Within(ge=0, lt=1e15)]
+Real = Annotated[float, Within(gt=-1e15, lt=1e15)]
+Length = Annotated[float, Within(gt=1e-6, lt=100)]
+Angle = Annotated[float, Within(ge=-3600, le=3600)]
+Spread = Annotated[float, Within(ge=0, lt=0.5)]
 
 
 class PartUnchangeable(Invalid, AttributeError):

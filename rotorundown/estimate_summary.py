@@ -2,6 +2,7 @@
 
 import cmath
 import math
+import textwrap
 from collections.abc import Sequence
 
 from estimator.fit.estimates import Estimate
@@ -10,8 +11,12 @@ G_MM = 1e6
 """g mm in a kg m."""
 MOST_ELEMENTS = 30
 """Most elements that are listed."""
+SCREEN_COLUMNS = 100
+"""Longest line."""
 MOST_TERMS = 4
 """Most terms of an element on its line: the direct ones come first."""
+CROSS_COUPLED = ("xy", "yx")
+"""Ends of the names of cross-coupled terms, which come last."""
 LARGEST_PER_CENT = 0.5
 """Largest standard error that is given in per cent, as a part of the value [-]: beyond it the value may be zero."""
 UNBALANCE = "unbalance"
@@ -25,22 +30,30 @@ def element_lines(estimates: Sequence[Estimate]) -> list[str]:
     for one in estimates:
         elements.setdefault(one.element, []).append(one)
     width = max((len(element) for element in elements), default=0)
-    lines = [f"{element:<{width}}  {_terms(element, those)}" for element, those in elements.items()]
+    room = SCREEN_COLUMNS - width - 2
+    lines = [f"{element:<{width}}  {_terms(element, those, room=room)}" for element, those in elements.items()]
     left_out = len(lines) - MOST_ELEMENTS
     if left_out > 0:
         lines = [*lines[:MOST_ELEMENTS], f"and {left_out} more elements"]
     return [*lines, "", "All parameters: to_frame(); one of them: result['NAME']"]
 
 
-def _terms(element: str, estimates: Sequence[Estimate]) -> str:
-    known = [one for one in estimates if one.estimable]
-    parts = [_term(one.name.removeprefix(f"{element}."), one) for one in known[:MOST_TERMS]]
-    if len(known) > MOST_TERMS:
-        parts.append(f"+ {len(known) - MOST_TERMS} more")
+def within_screen(line: str) -> str:
+    """Return a line broken at blanks where it is longer than a screen is wide."""
+    return textwrap.fill(line, SCREEN_COLUMNS, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+
+
+def _terms(element: str, estimates: Sequence[Estimate], *, room: int) -> str:
+    """Return an element's terms, as many as its line has room for, at least one."""
+    known = sorted((one for one in estimates if one.estimable), key=lambda one: one.name.endswith(CROSS_COUPLED))
+    terms = [_term(one.name.removeprefix(f"{element}."), one) for one in known[:MOST_TERMS]]
     open_ones = len(estimates) - len(known)
-    if open_ones:
-        parts.append(f"{open_ones} not estimable")
-    return ", ".join(parts)
+    for count in range(len(terms), -1, -1):
+        more = [f"+ {len(known) - count} more"] if len(known) > count else []
+        said = ", ".join([*terms[:count], *more, *([f"{open_ones} not estimable"] if open_ones else [])])
+        if len(said) <= room or count <= 1:
+            break
+    return said
 
 
 def _term(label: str, one: Estimate) -> str:

@@ -17,7 +17,7 @@ from estimator.phasors.measurement import joined
 from estimator.phasors.quality import Quality
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from rotorundown.environment.optional_packages import optional_package
-from rotorundown.estimate_summary import REFUSED_VALUES, element_lines
+from rotorundown.estimate_summary import REFUSED_VALUES, element_lines, within_screen
 from rotorundown.notebook_text import notebook_text
 from rotorundown.runs import MachineRun
 
@@ -177,7 +177,8 @@ class Result(Struct, frozen=True, eq=False, dict=True):
             for words in quality.findings
         ]
         heading = [] if found.accepted else [REFUSED_VALUES]
-        return "\n".join([f"{self.machine.id}: {head}", size, *findings, "", *heading, *element_lines(found.estimates)])
+        told = [within_screen(line) for line in (f"{self.machine.id}: {head}", size, *findings)]
+        return "\n".join([*told, "", *heading, *element_lines(found.estimates)])
 
     __repr__ = __str__
 

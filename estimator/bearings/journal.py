@@ -12,7 +12,7 @@ from pydantic import Field
 from estimator.bearings.defaults import FormDefaults
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter, WholeTrain
 from estimator.bearings.terms import LATERAL
-from estimator.field_types import Part, Spread
+from estimator.field_types import Part, Spread, Within
 from estimator.quantities import UNITS
 
 LARGEST_ELEVATION_SPREAD = 0.01
@@ -59,7 +59,7 @@ class JournalForm(FormDefaults, Part):
         default=0.0,
         description="how far the slope of ln viscosity over ln speed may be off, rms [-]; 0: as the oil says",
     )
-    elevation_spread: Annotated[float, Field(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
+    elevation_spread: Annotated[float, Within(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
         default=1.5e-4, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
     )
     discrepancy: Spread = Field(

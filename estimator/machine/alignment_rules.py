@@ -4,14 +4,14 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from estimator.field_types import Identifier, Part, Spread
+from estimator.field_types import Identifier, Part, Spread, Within
 
 LARGEST_OFFSET = 0.01
 """Largest offset that a document may allow [m]; more was meant in µm or mm."""
 LARGEST_ANGLE = 0.05
 """Largest angle that a document may allow [rad]; more was meant in µrad or mrad."""
 
-VariedElevation = Annotated[float, Field(ge=0, le=1e-3)]
+VariedElevation = Annotated[float, Within(ge=0, le=1e-3)]
 """Standard deviation of an elevation of a healthy machine [m]; more was meant in µm."""
 
 
@@ -19,8 +19,8 @@ class AlignmentTolerance(Part):
     """Tolerance at one coupling, in either plane; in place of the usual values over speed."""
 
     coupling: Identifier
-    offset: Annotated[float, Field(gt=0, le=LARGEST_OFFSET)] | None = Field(default=None, description="[m]")
-    angle: Annotated[float, Field(gt=0, le=LARGEST_ANGLE)] | None = Field(default=None, description="[rad]")
+    offset: Annotated[float, Within(gt=0, le=LARGEST_OFFSET)] | None = Field(default=None, description="[m]")
+    angle: Annotated[float, Within(gt=0, le=LARGEST_ANGLE)] | None = Field(default=None, description="[rad]")
 
     @model_validator(mode="after")
     def _require_content(self) -> Self:
@@ -29,9 +29,9 @@ class AlignmentTolerance(Part):
         return self
 
 
-Offset = Annotated[float, Field(ge=-LARGEST_OFFSET, le=LARGEST_OFFSET)]
+Offset = Annotated[float, Within(ge=-LARGEST_OFFSET, le=LARGEST_OFFSET)]
 """Offset of a coupling [m]."""
-Turn = Annotated[float, Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
+Turn = Annotated[float, Within(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
 """Angle of a coupling [rad]."""
 
 

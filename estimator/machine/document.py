@@ -295,8 +295,10 @@ def _words(item: Any, model: type[BaseModel] | None) -> str:
     if item["type"] == "extra_forbidden" and model is not None:
         known = fields_beside(model, item["loc"])
         return "there is no such field" + (did_you_mean(str(item["loc"][-1]), known) or f": there are {', '.join(known)}")
-    if item["type"] == "model_type":
+    if item["type"] in ("model_type", "dict_type"):
         return "should be fields by name, each with its value"
+    if item["type"] == "tuple_type":
+        return "should be a list"
     if item["type"] == "float_parsing" and "," in str(item["input"]):
         return f"'{item['input']!s:.40}' is no number: write it with a decimal point"
     least = item.get("ctx", {}).get("gt")

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from estimator.field_types import Angle, Identifier, Length, NotNegative, Part, Positive, Real
+from estimator.field_types import Angle, Identifier, Length, NotNegative, Part, Positive, Real, Within
 
 LARGEST_CLEARANCE = 0.1
 """Largest radial clearance, as a part of the radius [-]."""
@@ -25,11 +25,11 @@ class Oil(Part):
     iso_vg: Literal[10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680] | None = Field(
         default=None, description="ISO VG grade (ISO 3448)"
     )
-    temperature_c: Annotated[float, Field(ge=-20, le=180)] | None = Field(default=None, description="of the film [°C]")
-    inlet_c: Annotated[float, Field(ge=0, le=120)] | None = Field(
+    temperature_c: Annotated[float, Within(ge=-20, le=180)] | None = Field(default=None, description="of the film [°C]")
+    inlet_c: Annotated[float, Within(ge=0, le=120)] | None = Field(
         default=None, description="at which the oil comes [°C]: the film is warmer by a heat balance, more so at high speed"
     )
-    carried: Annotated[float, Field(gt=0, le=1)] = Field(
+    carried: Annotated[float, Within(gt=0, le=1)] = Field(
         default=0.8, description="part of the friction's heat that the oil carries off, where inlet_c is given [-]"
     )
     temperature_from: Identifier | None = Field(
@@ -58,8 +58,8 @@ class TiltingPads(Part):
     """The pads of a tilting-pad bearing, equal and evenly around the journal; their preload is the film's."""
 
     number: Annotated[int, Field(ge=3, le=12)] = Field(description="of pads")
-    arc_deg: Annotated[float, Field(ge=15, le=120)] = Field(description="of each pad [°]")
-    pivot: Annotated[float, Field(ge=0.4, le=0.8)] = Field(
+    arc_deg: Annotated[float, Within(ge=15, le=120)] = Field(description="of each pad [°]")
+    pivot: Annotated[float, Within(ge=0.4, le=0.8)] = Field(
         default=0.5,
         description="place of the pivot as a part of the arc, from the edge where oil enters; 0.5 is the middle",
     )
@@ -85,11 +85,11 @@ class JournalFilm(Part):
         description="radius of the pads' curvature less the journal's radius [m]; usual is 0.001 to 0.002 of the radius"
     )
     profile: Profile = Field(default="plain", description="round, with grooves or lobes, or with tilting pads")
-    preload: Annotated[float, Field(ge=0, lt=1)] = Field(
+    preload: Annotated[float, Within(ge=0, lt=1)] = Field(
         default=0.0, description="of each lobe or tilting pad [-]; 0 for round profiles"
     )
     pads: TiltingPads | None = Field(default=None, description="of profile tilting_pad, which needs them")
-    groove_deg: Annotated[float, Field(gt=0, lt=85)] = Field(default=20.0, description="width of each axial groove [°]")
+    groove_deg: Annotated[float, Within(gt=0, lt=85)] = Field(default=20.0, description="width of each axial groove [°]")
     turned_deg: Angle = Field(default=0.0, description="angle by which the profile is turned from +x to +y [°]")
     oil: Oil
     elevation_x: Real = Field(default=0.0, description="centre over its aligned place, horizontal [m]")

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from estimator.bearings.registry import DeclaredForm
-from estimator.field_types import Angle, Direct, Identifier, Length, NotNegative, Part, Positive, Real, Spread
+from estimator.field_types import Angle, Direct, Identifier, Length, NotNegative, Part, Positive, Real, Spread, Within
 from estimator.machine.films import JournalFilm
 
 STATION_TOLERANCE = 1e-9
@@ -23,10 +23,10 @@ class Material(Part):
 
     young_modulus: Positive = Field(description="E [N/m²]")
     density: Positive = Field(description="ρ [kg/m³]")
-    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] = Field(default=0.3, description="ν [-]")
+    poisson_ratio: Annotated[float, Within(gt=-1, lt=0.5)] = Field(default=0.3, description="ν [-]")
     young_modulus_spread: Spread = Field(default=0.0, description="how far E may be off, relative rms [-]; 0: known exactly")
     density_spread: Spread = Field(default=0.0, description="how far ρ may be off, relative rms [-]; 0: known exactly")
-    internal_damping: Annotated[float, Field(ge=0, lt=1)] = Field(
+    internal_damping: Annotated[float, Within(ge=0, lt=1)] = Field(
         default=0.0, description="viscous internal damping over stiffness, β of C = βK in the rotating shaft [s]"
     )
 
@@ -201,7 +201,7 @@ class Probe(Part):
         description="which way the shaft moves while the gap that a source sends grows: away from the probe, as a distance "
         "does, or towards it, as the negative volts of most proximity probes do; needed only where a source sends gaps",
     )
-    gain_spread: Annotated[float, Field(ge=0, lt=10)] = Field(
+    gain_spread: Annotated[float, Within(ge=0, lt=10)] = Field(
         default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact"
     )
     run_out_spread: NotNegative = Field(

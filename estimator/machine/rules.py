@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from estimator.field_types import Identifier, NotNegative, Part, Positive, Text
+from estimator.field_types import Identifier, NotNegative, Part, Positive, Text, Within
 from estimator.machine.alignment_rules import AlignmentTarget, AlignmentTolerance, HealthyVariation
 
 
@@ -95,10 +95,10 @@ class Operation(Part):
     severity_zones: SeverityZones | None = Field(
         default=None, description="zones of the overall levels that sources send, at `running_rpm`; by default none"
     )
-    longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
+    longest_hold_s: Annotated[float, Within(ge=10, le=604_800)] = Field(
         default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
     )
-    longest_pause_s: Annotated[float, Field(ge=1, le=86_400)] = Field(
+    longest_pause_s: Annotated[float, Within(ge=1, le=86_400)] = Field(
         default=120.0, description="a pause in the data that is longer ends a run [s]"
     )
     alignment_tolerances: Annotated[tuple[AlignmentTolerance, ...], Field(max_length=20)] = Field(
@@ -130,14 +130,14 @@ class RollingCollection(Part):
 
     bins: Annotated[int, Field(ge=5, le=200)] = Field(default=40, description="number of bins over the speed range")
     samples_per_bin: Annotated[int, Field(ge=1, le=50)] = Field(default=5, description="the newest ones kept in each")
-    spacing_s: Annotated[float, Field(ge=0, le=86_400)] = Field(
+    spacing_s: Annotated[float, Within(ge=0, le=86_400)] = Field(
         default=1.0, description="least time between two samples of a bin [s]"
     )
-    recency_s: Annotated[float, Field(ge=60, le=31_622_400)] = Field(
+    recency_s: Annotated[float, Within(ge=60, le=31_622_400)] = Field(
         default=604_800.0, description="samples older than this are left out [s]"
     )
-    coverage: Annotated[float, Field(gt=0, le=1)] = Field(default=0.6, description="part of the bins that must hold samples")
-    interval_s: Annotated[float, Field(ge=10, le=31_622_400)] = Field(
+    coverage: Annotated[float, Within(gt=0, le=1)] = Field(default=0.6, description="part of the bins that must hold samples")
+    interval_s: Annotated[float, Within(ge=10, le=31_622_400)] = Field(
         default=86_400.0, description="at most one run in this time [s]"
     )
 
@@ -148,7 +148,7 @@ class Collection(Part):
     runs: Literal["sweeps", "rolling", "both"] = Field(
         default="sweeps", description="run-ups and run-downs, collections over speed bins, or both"
     )
-    pre_trigger_s: Annotated[float, Field(ge=0, le=3600)] = Field(
+    pre_trigger_s: Annotated[float, Within(ge=0, le=3600)] = Field(
         default=5.0, description="samples so shortly before a run began belong to it [s]"
     )
     delta_rpm: Positive | None = Field(
@@ -179,7 +179,7 @@ class QualityRules(Part):
 class Noise(Part):
     """Expected measurement error of a phasor: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
 
-    relative: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="part of the amplitude [-]")
+    relative: Annotated[float, Within(gt=0, lt=1)] = Field(default=0.01, description="part of the amplitude [-]")
     floor: NotNegative = Field(default=1e-7, description="0-to-peak [m]")
     estimated: bool = Field(
         default=False, description="find both parts from the fit's own residuals; the values above are where that starts"
@@ -223,4 +223,4 @@ class ImpactTest(Part):
     """Natural frequencies of the train at standstill, measured with a hammer."""
 
     frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)] = Field(description="[Hz]")
-    relative_error: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")
+    relative_error: Annotated[float, Within(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")

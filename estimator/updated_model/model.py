@@ -218,6 +218,27 @@ def expected_model(machine: Machine) -> UpdatedModel:
     return UpdatedModel(exact, coordinates.names, coordinates.point(coordinates.centre), np.zeros((size, size)))
 
 
+def documented_model(machine: Machine) -> UpdatedModel:
+    """Build the model that a document tells: the values of its calibration with their covariance, all others as expected.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The model; a calibration's unbalances are those on average over its mountings.
+    """
+    expected, calibration = expected_model(machine), machine.calibration
+    if calibration is None:
+        return expected
+    rows = {name: row for row, name in enumerate(calibration.parameters)}
+    places = [place for place, name in enumerate(expected.coordinates) if name in rows]
+    known = [rows[expected.coordinates[place]] for place in places]
+    values, covariance = expected.values.copy(), expected.covariance.copy()
+    values[places] = np.array(calibration.values)[known]
+    covariance[np.ix_(places, places)] = np.array(calibration.covariance)[np.ix_(known, known)]
+    return replace(expected, values=values, covariance=covariance)
+
+
 @cached_for_runs
 def with_exact_probes(machine: Machine) -> Machine:
     """Return the machine without gain errors and run-outs of its channels.

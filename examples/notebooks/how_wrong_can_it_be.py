@@ -39,6 +39,17 @@ mean = sum(errors) / len(errors)
 scatter = (sum((one - mean) ** 2 for one in errors) / len(errors)) ** 0.5
 print(f"bias {mean:+.2f}, scatter {scatter:.2f} standard errors")
 
+# %%
+import math
+
+import matplotlib.pyplot as plt
+
+drawn, plot = plt.subplots()
+plot.hist(errors, bins=[0.25 * one for one in range(-16, 17)], density=True, color="0.45", label=f"{len(errors)} estimates")
+promised = [0.05 * one for one in range(-80, 81)]
+plot.plot(promised, [math.exp(-one * one / 2) / math.sqrt(2 * math.pi) for one in promised], label="what intervals promise")
+plot.set_xlabel("error over stated standard error")
+plotted = plot.legend()
 # %% [markdown]
 # The same with a model that is wrong: the probes of the driven shaft are said to sit 20° elsewhere. A fit that is off is
 # refused, which is what the verdict is for; what it cannot notice no interval can contain.

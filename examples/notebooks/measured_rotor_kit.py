@@ -23,10 +23,20 @@ assert found is not None
 print(len(found.parameters), "parameters from", found.runs[0].samples, "samples")
 
 # %% [markdown]
-# How the kit should respond from now on, by its calibrated document:
+# How the kit's shaft should move from now on with its own unbalance, by its calibrated document:
 
 # %%
+updated = rd.model(calibrated.machine)
 speeds = [600.0, 1000.0, 1200.0]
-response = rd.model(calibrated.machine).response(speeds)
-for speed, amplitude in zip(speeds, response.amplitude, strict=True):
+for speed, amplitude in zip(speeds, updated.response(speeds).amplitude, strict=True):
     print(f"{speed:.0f} r/min:", ", ".join(f"{2e6 * one:.1f} µm pp" for one in amplitude))
+
+# %%
+import matplotlib.pyplot as plt
+
+over = [600.0 + 5.0 * number for number in range(121)]
+drawn, plot = plt.subplots()
+plot.plot(over, 2e6 * updated.response(over).amplitude, label=calibrated.machine.channels)
+plot.set_xlabel("r/min")
+plot.set_ylabel("1× of the shaft [µm pp]")
+plotted = plot.legend()

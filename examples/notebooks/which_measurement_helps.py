@@ -21,13 +21,23 @@ print([f"{name}: {result[name].reason}" for name in result if not result[name].e
 # By how much the standard errors would shrink together with one more sample at a speed, or one more probe:
 
 # %%
-for speed in result.helpful_speeds(count=1 if SHORT else 3):
+speeds = result.helpful_speeds(count=1 if SHORT else 3)
+for speed in speeds:
     print(f"{speed.what}: by {100 * (1 - speed.shrinkage):.1f} %")
 
 # %%
-for probe in result.helpful_probes(count=1 if SHORT else 3):
+probes = result.helpful_probes(count=1 if SHORT else 3)
+for probe in probes:
     print(f"{probe.what}: by {100 * (1 - probe.shrinkage):.1f} %")
 
+# %%
+import matplotlib.pyplot as plt
+
+drawn, plot = plt.subplots(figsize=(8.0, 3.0), layout="constrained")
+helps = [*speeds, *probes]
+plot.barh([one.what for one in helps], [100 * (1 - one.shrinkage) for one in helps])
+plot.invert_yaxis()
+plotted = plot.set_xlabel("standard errors shrink together by [%]")
 # %% [markdown]
 # Tried: the same run with all probes of the machine.
 

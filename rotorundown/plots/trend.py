@@ -39,7 +39,9 @@ def plot_trend(results: Sequence[PlottedResult], name: str, *, when: Sequence[An
     below, above = np.maximum(value - ends[:, 0], 0.0), np.maximum(ends[:, 1] - value, 0.0)
     plot.errorbar([times[i] for i in known], value, yerr=[below, above], fmt="o", color=FITTED, capsize=3)
     plot.set_ylabel(f"{name} [{estimates[0].unit if estimates else ''}]")
-    plot.set_xlabel("result" if when is None else "")
+    if when is None:
+        plot.xaxis.get_major_locator().set_params(integer=True)
+        plot.set_xlabel("result")
     return drawn
 
 

@@ -4,10 +4,13 @@ from typing import NoReturn
 
 import typer
 
+from service.commands.json_output import is_awaited, print_json
 from service.commands.terminal import print_text
 
 
 def fail(message: str) -> NoReturn:
-    """Print the reason, and exit with status 1."""
+    """Print the reason, with --json also as `error` where no result was printed before it, and exit with status 1."""
+    if is_awaited():
+        print_json({"error": message})
     print_text(f"rundown: {message}", err=True)
     raise typer.Exit(1)

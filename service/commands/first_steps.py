@@ -3,7 +3,7 @@
 import re
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,6 +11,9 @@ from service.commands.exit import fail
 from service.commands.file_arguments import MachineFile, named_files
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, print_text, working
+
+if TYPE_CHECKING:
+    from estimator.machine.document import Machine
 
 TEMPLATE = "first_machine.yaml"
 PLACEHOLDER = "MACHINE"
@@ -49,7 +52,6 @@ def check(
     from estimator.errors import Invalid
     from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
-    from rotorundown.runs import WrongRun, read_run
     from service.commands.results.film_report import whirl_warning
 
     try:
@@ -75,19 +77,34 @@ def check(
     counts = {name: len(those) for those, name in parts}
     if not as_json:
         print_line(str(described))
-    read: list[dict[str, Any]] = []
-    for file in runs or ():
-        try:
-            run = read_run(file, machine=described)
-        except WrongRun as error:
-            read.append({"file": file, "wrong": str(error)})
-            print_text(str(error), err=True)
-            continue
-        read.append({"file": file, "samples": len(run), "units": run.units, "left_out": run.left_out})
-        if not as_json:
-            print_text(str(run))
+    read = [_read(file, described, as_json=as_json) for file in runs or ()]
     wrong = sum("wrong" in one for one in read)
     if as_json:
         print_json({"machine": described.id, **counts, "warnings": warnings, "runs": read})
     if wrong:
         fail(f"{wrong} of {len(read)} runs cannot be read")
+
+
+def _read(file: Path, machine: "Machine", *, as_json: bool) -> dict[str, Any]:
+    """Return what a run holds and what is wrong with its phasors, or why it cannot be read; printed unless as JSON."""
+    from estimator.phasors.quality import assess
+    from rotorundown.runs import WrongRun, read_run
+    from service.commands.results.identification_report import quality_text
+
+    try:
+        run = read_run(file, machine=machine)
+    except WrongRun as error:
+        print_text(str(error), err=True)
+        return {"file": file, "wrong": str(error)}
+    quality = assess(run.recorded, noise=machine.noise, rules=machine.quality)
+    if not as_json:
+        found = quality_text([file.name], [quality], gate=True)
+        print_text("\n".join([str(run), *([found] if found else [])]))
+    return {
+        "file": file,
+        "samples": len(run),
+        "units": run.units,
+        "left_out": run.left_out,
+        "findings": quality.findings,
+        "unusable_phasors": quality.counts,
+    }

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Mapping
+from contextvars import ContextVar
 from datetime import datetime
 from enum import Enum
 from pathlib import Path
@@ -15,12 +16,30 @@ from pydantic import BaseModel
 
 from service.commands.terminal import print_text
 
-JsonOption = Annotated[bool, typer.Option("--json", help="print the result as JSON, for a program")]
+_awaited: ContextVar[bool] = ContextVar("_awaited", default=False)
+"""True where the running command was asked for JSON and has printed none yet."""
+
+
+def _note(asked: bool) -> bool:
+    _awaited.set(asked)
+    return asked
+
+
+# Eager: what is wrong with a file's name is told while the command line is being read.
+JsonOption = Annotated[
+    bool, typer.Option("--json", callback=_note, is_eager=True, help="print the result as JSON, for a program")
+]
 
 
 def print_json(content: Any) -> None:
     """Print a result as JSON on the standard output; letters beyond ASCII are escaped."""
+    _awaited.set(False)
     print_text(json.dumps(json_value(content), indent=1, allow_nan=False))
+
+
+def is_awaited() -> bool:
+    """Check whether the running command was asked for JSON and has printed none yet."""
+    return _awaited.get()
 
 
 def json_value(value: Any) -> Any:

@@ -13,6 +13,7 @@ from playwright.sync_api import expect, sync_playwright
 
 import rotorundown
 from docs_site import source
+from docs_site.__main__ import build
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
 from docs_site.equations import with_equations
@@ -24,6 +25,7 @@ from docs_site.python_reference import python_page
 from docs_site.rest_reference import DOCUMENT, rest_page
 from docs_site.settings_reference import settings_page
 from docs_site.source import DOCS, ELSEWHERE, NAVIGATION, REFERENCES, site_links, write_source
+from docs_site.usual_values import USUAL
 from estimator.errors import DomainError
 from estimator.machine.document import Machine
 from formats.wire.rejection import Reason
@@ -69,6 +71,14 @@ def test_every_field_of_a_document_has_a_meaning() -> None:
     rows = [line.split(" | ") for line in document_page().splitlines() if line.startswith("| `")]
     assert len(rows) > 200
     assert [row[0] for row in rows if not row[3].strip()] == []
+
+
+def test_every_number_of_a_document_has_a_usual_value() -> None:
+    rows = [line.split(" | ") for line in document_page().splitlines() if line.startswith("| `")]
+    numbers = [row for row in rows if "number" in row[1]]
+    assert len(numbers) > 150
+    assert [row[0] for row in numbers if not row[4].strip(" |")] == []
+    assert [f"{part}.{name}" for part, name in USUAL if not any(row[0] == f"| `{name}`" for row in rows)] == []
 
 
 def test_every_finding_has_its_texts_and_limits() -> None:
@@ -199,7 +209,6 @@ def test_a_broken_link_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     configuration = write_source(tmp_path / "source", short=True)
     python = tmp_path / "source" / "pages" / "python.md"
     python.write_text(python.read_text() + "\n[nowhere](nowhere.md)\n")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(configuration)]
-    broken = subprocess.run([*command, "--site-dir", str(tmp_path / "broken")], capture_output=True, text=True, check=False)
+    broken = build(configuration, tmp_path / "broken")
     assert broken.returncode != 0
     assert "nowhere.md" in broken.stderr

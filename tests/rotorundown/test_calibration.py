@@ -37,6 +37,13 @@ def test_the_measured_kit_is_calibrated_and_written(calibrated: rd.CalibratedMac
     assert rd.read_machine(tmp_path / "kit.yaml") == calibrated.machine
 
 
+def test_the_model_of_a_calibrated_machine_moves_as_the_kit_did(calibrated: rd.CalibratedMachine) -> None:
+    # With 3 g mm beside its own 30 the second probe showed 0.365 mil peak at 1004 r/min, by a chain that shows 0.540 of it.
+    predicted = rd.model(calibrated.machine).response([1004.0])
+    assert predicted.amplitude[0, 2] == pytest.approx(0.365 * 25.4e-6 / 0.540, rel=0.15)
+    assert 0.01 < predicted.lower[0, 2] / predicted.upper[0, 2] < 0.99
+
+
 def test_what_a_later_run_has_gained_is_told_of_a_calibrated_machine_only(
     calibrated: rd.CalibratedMachine, tmp_path: Path
 ) -> None:

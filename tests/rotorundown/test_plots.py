@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 
 import rotorundown as rd
 from estimator.machine.document import Machine
@@ -39,6 +40,20 @@ def test_an_unknown_channel_is_named(result: rd.Result) -> None:
 def test_polar_shows_the_vectors(run: rd.MachineRun, result: rd.Result) -> None:
     angle, size = curve(result.plot_polar(["B1R"]), 0, 0)
     np.testing.assert_allclose(size * np.exp(-1j * angle) / 2e6, run.recorded.phasor[:, 1], atol=1e-12)
+
+
+def test_polar_plots_stand_in_rows_and_their_speeds_apart(result: rd.Result) -> None:
+    figure = result.plot_polar(["B1L", "B1R", "B2L", "B2R", "B3L"])
+    assert [one.get_title() for one in figure.axes] == ["B1L", "B1R", "B2L", "B2R", "B3L"]
+    assert figure.get_figheight() == pytest.approx(6.0)
+    for plot in figure.axes:
+        angle, size = (
+            np.asarray(one) for one in zip(*[one.xy for one in plot.texts if isinstance(one, Annotation)], strict=True)
+        )
+        vectors = size * np.exp(1j * angle)
+        apart = np.abs(vectors[:, None] - vectors)[np.triu_indices(vectors.size, 1)]
+        assert apart.size
+        assert apart.min() >= 0.19 * np.abs(vectors).max()
 
 
 def test_orbits_are_as_large_as_the_probes_say(run: rd.MachineRun, result: rd.Result) -> None:

@@ -87,6 +87,8 @@ WRONG_FIELDS: dict[str, tuple[Callable[[Any], Any], str]] = {
         "shafts[0].sections[0].lenght: there is no such field; did you mean 'length'?",
     ),
     "of a named part": (lambda said: said["materials"]["steel"].update(densty=1.0), "did you mean 'density'"),
+    "that is no list": (lambda said: said.update(shafts=3), "shafts: should be a list"),
+    "that has no names": (lambda said: said.update(materials=["steel"]), "materials: should be fields by name"),
     "like none": (lambda said: said["speed_range"].update(z=1), "there is no such field: there are maximum_rpm, minimum_rpm"),
 }
 

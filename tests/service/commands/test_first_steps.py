@@ -1,5 +1,6 @@
 """`rundown init` and `rundown check`: a document to begin with that works, and what is said of documents and runs."""
 
+import json
 import re
 from pathlib import Path
 
@@ -46,6 +47,28 @@ def test_runs_are_checked_against_the_document(pump: Path, tmp_path: Path) -> No
     assert "good.csv: 200 samples, B1L, B1R" in text
     assert "separated by semicolons" in text
     assert "1 of 2 runs cannot be read" in text
+
+
+def with_wrong_phasors(file: Path) -> None:
+    """Freeze the first channel of a recorded run, and put one value of the next far out."""
+    header, *rows = file.read_text(encoding="utf-8").splitlines()
+    columns, cells = header.split(","), [row.split(",") for row in rows]
+    for row in cells:
+        row[columns.index("B1L_um_pp")], row[columns.index("B1L_lag_deg")] = "7.5", "20"
+    cells[50][columns.index("B1R_um_pp")] = "5000"
+    file.write_text("\n".join([header, *map(",".join, cells)]) + "\n", encoding="utf-8")
+
+
+def test_what_is_wrong_with_phasors_is_told(pump: Path, tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    run("sample", str(pump), str(file))
+    assert "left out" not in run("check", str(pump), str(file))
+    with_wrong_phasors(file)
+    text = run("check", str(pump), str(file))
+    assert "run.csv: channel lost: B1L has no usable value in the whole run (frozen)" in text
+    assert "run.csv: 201 of 1600 phasors left out for their quality (200 frozen, 1 outlier)" in text
+    (told,) = json.loads(run("check", str(pump), str(file), "--json"))["runs"]
+    assert told["unusable_phasors"] == {"outlier": 1, "frozen": 200}
 
 
 def test_a_wrong_unit_is_named(pump: Path) -> None:

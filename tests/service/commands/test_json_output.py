@@ -54,6 +54,27 @@ def test_every_command_that_prints_results_has_it() -> None:
     assert lacking == WITHOUT_RESULT
 
 
+FAILING: dict[str, tuple[tuple[str, ...], str]] = {
+    "no such file": (("check", "nowhere.yaml"), "nowhere.yaml"),
+    "no such run": (("identify", PUMP, "nowhere.csv"), "nowhere.csv: no such file"),
+    "no such database": (("key", "list", "--database", "sqlite:///nowhere.db"), "there is no database file"),
+    "nothing to ask": (("retention", "confirm"), "--json asks nobody"),
+}
+
+
+@pytest.mark.parametrize("name", FAILING)
+def test_what_fails_is_an_error_in_json(name: str) -> None:
+    arguments, words = FAILING[name]
+    found = printed(*arguments, status=1)
+    assert list(found) == ["error"]
+    assert words in found["error"]
+
+
+def test_a_result_that_ends_in_a_failure_is_printed_once() -> None:
+    assert printed("check", PUMP, "nowhere.csv", status=1)["machine"] == "motor-pump"
+    assert CliRunner().invoke(app, ["check", "nowhere.yaml"]).stdout == ""
+
+
 def test_an_identification(recordings: tuple[str, str]) -> None:
     found = printed("identify", PUMP, recordings[0], "--advice")
     speeds = [one["speed_rpm"] for one in found["advice"] if "speed_rpm" in one]
