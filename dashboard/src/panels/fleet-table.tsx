@@ -55,7 +55,7 @@ function Row({ one }: { one: FleetMachine }) {
         </div>
       </td>
       <td class="needs">
-        {needed.length === 0 && <span class="muted">{t("needsNobody")}</span>}
+        {needed.length === 0 && <span class="muted">{t("nothing")}</span>}
         {needed.map(({ words }) => (
           <div key={words}>{words}</div>
         ))}
