@@ -93,7 +93,6 @@ from service.security.operations import Operations
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ScopedRows, Visibility
-from service.wording.shown_units import UnitsName
 from storage.database.engine import Database
 from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
 from storage.tables.findings import IdentificationRow, JobRow
@@ -154,7 +153,7 @@ def application(
     gauges: Callable[[], Mapping[str, float]] = dict,
     texts: SiteTexts | None = None,
     delivery_networks: tuple[Network, ...] = (),
-    report_units: UnitsName = "um_pp,rpm",
+    report_units: str = "um_pp,rpm",
 ) -> FastAPI:
     """Build the application over a database.
 
@@ -191,8 +190,7 @@ def application(
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()
     app.state.texts = texts or SiteTexts()
-    app.state.delivery_networks = delivery_networks
-    app.state.report_units = report_units
+    app.state.delivery_networks, app.state.report_units = delivery_networks, report_units
     app.state.broadcaster = Broadcaster(database, app.state.texts)
     add_handlers(app, LISTED)
     _handle_answers(app, database)

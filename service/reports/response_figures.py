@@ -70,7 +70,10 @@ def polar_figure(
     language: Language = ENGLISH,
     units: ShownUnits = USUAL_UNITS,
 ) -> str:
-    """Return the 1× vectors of a channel; lag grows clockwise from the right, as on the page. units: of the curves."""
+    """Return the 1× vectors of a channel; lag grows clockwise from the right, as on the page.
+
+    units: those that the curves are in.
+    """
     fitted = curves.value[:, number]
     sizes = np.abs(np.concatenate([fitted, *(one.value[:, number] for one in (*runs, *before))]))
     largest = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else 1.0
