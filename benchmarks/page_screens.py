@@ -38,11 +38,15 @@ OTHERS = {
     "films": (f"machines/{FILMS}/model", ".films svg"),
 }
 """Views of machines that send more, or stand on oil films."""
+IN_MILS = ("alert", "overview", "vibration", "response", "films", "levels", "report")
+"""Views that are taken in other units as well."""
+MILS = 'window.localStorage.setItem("rundown.units", "mil_p,hz");'
 SIZES: dict[str, dict[str, object]] = {
     "light": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "light"},
     "dark": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "dark"},
     "german": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "light", "locale": "de-DE"},
     "phone": {"viewport": ViewportSize(width=390, height=844), "has_touch": True, "is_mobile": True},
+    "mil": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "light"},
 }
 
 
@@ -53,7 +57,9 @@ def take(browser: Browser, base: str, folder: Path) -> list[Path]:
     for size, options in SIZES.items():
         context = browser.new_context(**{"timezone_id": ZONE.key, "locale": "en-GB"} | options)  # type: ignore[arg-type]
         page = context.new_page()
-        for view in VIEWS | OTHERS:
+        if size == "mil":
+            page.add_init_script(MILS)
+        for view in IN_MILS if size == "mil" else VIEWS | OTHERS:
             show(page, base, view, views=VIEWS | OTHERS)
             expect(page.locator(".error")).to_have_count(0)
             page.wait_for_timeout(SETTLE_MS)

@@ -153,6 +153,7 @@ def application(
     gauges: Callable[[], Mapping[str, float]] = dict,
     texts: SiteTexts | None = None,
     delivery_networks: tuple[Network, ...] = (),
+    report_units: str = "um_pp,rpm",
 ) -> FastAPI:
     """Build the application over a database.
 
@@ -161,6 +162,7 @@ def application(
     there is an API key. job_quota: limit of waiting identifications asked for by people. secrets: signing secrets of webhooks;
     by default none can be stored. warnings: returns the service's warnings. gauges: returns figures of its parts for a
     monitoring system. texts: texts of findings; by default the service's own. delivery_networks: private ones to deliver to.
+    report_units: units of reports that are asked for without any.
 
     The documentation page loads nothing from other hosts: plants have no internet.
     """
@@ -188,7 +190,7 @@ def application(
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()
     app.state.texts = texts or SiteTexts()
-    app.state.delivery_networks = delivery_networks
+    app.state.delivery_networks, app.state.report_units = delivery_networks, report_units
     app.state.broadcaster = Broadcaster(database, app.state.texts)
     add_handlers(app, LISTED)
     _handle_answers(app, database)

@@ -19,6 +19,10 @@ def report(
     begin: Annotated[datetime | None, typer.Option("--from", help="UTC; by default a year before the end")] = None,
     end: Annotated[datetime | None, typer.Option("--to", help="UTC; by default now")] = None,
     locale: Annotated[str | None, typer.Option(help="language, en or de; by default the setting RUNDOWN_LOCALE")] = None,
+    units: Annotated[
+        str | None,
+        typer.Option(help="um_pp, um_p, mil_pp or mil_p, then ,rpm or ,hz; by default the setting RUNDOWN_REPORT_UNITS"),
+    ] = None,
     database: DatabaseUrl = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -29,6 +33,7 @@ def report(
     from service.reports.printing import PrinterMissing, report_pdf
     from service.reports.reading import read_contents
     from service.wording.finding_texts import TextsWrong
+    from service.wording.shown_units import UnitsUnknown, units_of
     from storage.clock import from_datetime, now
     from storage.database.claim import DatabaseUnusable
     from storage.database.engine import Database, require_file
@@ -42,14 +47,17 @@ def report(
             read_texts(settings.finding_texts, settings.locale if locale is None else find_language(locale).code),
             asked_period(first, last, moment=now()),
         )
+        shown = units_of(settings.report_units if units is None else units)
         require_file(url)
         opened = Database(url)
-    except (DatabaseUnusable, PeriodEmpty, SettingsWrong, TextsWrong) as error:
+    except (DatabaseUnusable, PeriodEmpty, SettingsWrong, TextsWrong, UnitsUnknown) as error:
         fail(str(error))
     try:
         with working("printing the report"):
             with opened.reading() as session:
-                contents = read_contents(session, machine, period, texts=texts, baseline_runs=settings.baseline_runs)
+                contents = read_contents(
+                    session, machine, period, texts=texts, baseline_runs=settings.baseline_runs, units=shown
+                )
             output.write_bytes(report_pdf(contents))
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")

@@ -114,6 +114,7 @@ def _application(
         gauges=threads.gauges,
         delivery_networks=tuple(settings.delivery_networks),
         texts=threads.texts,
+        report_units=settings.report_units,
     )
 
 

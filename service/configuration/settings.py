@@ -101,6 +101,13 @@ class Settings(MqttSettings, OpcUaSettings):
         default="en",
         description="language of mails, webhooks and reports, and of answers to those who ask for no other: en, de",
     )
+    report_units: Literal[
+        "um_pp,rpm", "um_p,rpm", "mil_pp,rpm", "mil_p,rpm", "um_pp,hz", "um_p,hz", "mil_pp,hz", "mil_p,hz"
+    ] = Field(
+        default="um_pp,rpm",
+        description="units of reports as PDF that are mailed, or asked for without any: um or mil, _pp or _p (0-to-peak), "
+        "then rpm or hz, such as mil_pp,rpm",
+    )
     public_url: str = Field(default="", description="where people reach this service: for links in messages, logging in")
     smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
     smtp_port: Annotated[int, Field(ge=1, le=65535)] = Field(default=25, description="its port")

@@ -46,13 +46,14 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
 
 def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     said = describe(one.name)
-    unit = f"µ{one.unit}"
-    allowed = f"{rounded(MICRO * one.allowed, 2, language)} {unit}"
+    unit = language.length_unit if one.unit == "m" else f"µ{one.unit}"
+    scale = language.in_length_unit(MICRO) if one.unit == "m" else MICRO
+    allowed = f"{rounded(scale * one.allowed, 2, language)} {unit}"
     quantity = language.named(said.quantity)
     if one.value is None:
         missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
-    change, half = _signed(MICRO * one.value, MICRO * one.half, language)
+    change, half = _signed(scale * one.value, scale * one.half, language)
     return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
 
 

@@ -12,6 +12,7 @@ from estimator.updated_model.film_results import placed_films
 from service.identification.stored_model import Identified
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, segment, svg
 from service.wording.language import ENGLISH, Language
+from service.wording.shown_units import USUAL_UNITS, ShownUnits
 
 SIZE, RADIUS = 164.0, 62.0
 SPEEDS = 15
@@ -45,7 +46,11 @@ def journal_paths(one: Identified) -> list[JournalPath]:
 
 
 def centreline_figure(
-    now: JournalPath, before: JournalPath | None, speed_rpm: tuple[float, float], language: Language = ENGLISH
+    now: JournalPath,
+    before: JournalPath | None,
+    speed_rpm: tuple[float, float],
+    language: Language = ENGLISH,
+    units: ShownUnits = USUAL_UNITS,
 ) -> str:
     """Return one bearing's picture. speed_rpm: at the ends of the paths [r/min]."""
     scale = RADIUS / max(now.clearance, 0.0 if before is None else before.clearance)
@@ -55,8 +60,9 @@ def centreline_figure(
             parts += _drawn(one, scale, colour)
     end = now.position * scale
     for at, rpm in ((0, speed_rpm[0]), (-1, speed_rpm[1])):
-        parts.append(label(end[at, 0] + 4, -end[at, 1] - 3, f"{rpm:.0f}", anchor="start", size=7))
-    parts.append(label(0, RADIUS + 13, language.translate("plot.clearance", clearance=now.clearance)))
+        words = units.speed_number(rpm, language)
+        parts.append(label(end[at, 0] + 4, -end[at, 1] - 3, words, anchor="start", size=7))
+    parts.append(label(0, RADIUS + 13, language.translate("plot.clearance", clearance=language.length(now.clearance))))
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 

@@ -11,6 +11,7 @@ from estimator.machine.document import Machine
 from service.alerts.event_message import AlertEvent
 from service.identification.stored_model import Identified, UsedRun
 from service.wording.language import ENGLISH, Language
+from service.wording.shown_units import USUAL_UNITS, ShownUnits
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,8 @@ class ReportContents:
     """Contents of a report on a machine over a period.
 
     not_to_balance: why no weights are proposed; None where nothing else is wrong. left_out: what there is more of than a
-    report shows, in words. language: language of the report; advice and messages are in it already.
+    report shows, in words. language: language of the report; advice and messages are in it already. units: those of its
+    plots and tables; trends are in them already.
     """
 
     machine: Machine
@@ -109,6 +111,7 @@ class ReportContents:
     not_to_balance: str | None
     left_out: tuple[str, ...]
     language: Language = ENGLISH
+    units: ShownUnits = USUAL_UNITS
 
     @property
     def open_alerts(self) -> list[ReportedAlert]:

@@ -23,6 +23,7 @@ from service.reports.printing import PrinterMissing
 from service.reports.reading import read_contents
 from service.reports.report_process import NotPrinted, ReportProcess
 from service.resilience.supervised_thread import SupervisedThread
+from service.wording.shown_units import units_of
 from storage.alerts import deliveries
 from storage.clock import now, to_datetime
 from storage.database.engine import Database
@@ -137,7 +138,12 @@ class ReportMailing(SupervisedThread):
     def _report_mail(self, report: DueReport) -> EmailMessage:
         with self._database.reading() as session:
             contents = read_contents(
-                session, report.machine, report.period, texts=self._texts, baseline_runs=self._settings.baseline_runs
+                session,
+                report.machine,
+                report.period,
+                texts=self._texts,
+                baseline_runs=self._settings.baseline_runs,
+                units=units_of(self._settings.report_units),
             )
         try:
             return compose_report_mail(self._settings, report, contents, self._process.printed(contents))

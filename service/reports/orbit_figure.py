@@ -18,7 +18,8 @@ BAR_AT = RADIUS + 24.0
 
 
 def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, language: Language = ENGLISH) -> str:
-    """Return a station's orbit with the keyphasor's dot. now, before: phasors (m,) of all channels [µm pp]."""
+    """Return a station's orbit with the keyphasor's dot. now, before: phasors (m,) of all channels, peak-to-peak in the
+    readers' unit of lengths."""
     paths = [(colour, _path(place, one)) for colour, one in ((BEFORE, before), (FITTED, now)) if one is not None]
     largest = max(float(np.abs(one).max()) for _, one in paths)
     step = round_step(max(largest, 1e-9) / 2.0)
@@ -34,7 +35,7 @@ def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, 
         parts.append(dots(path[:1, 0] * scale, -path[:1, 1] * scale, colour, radius=2.6))
     bar = step * scale
     parts.append(segment(-bar / 2, BAR_AT, bar / 2, BAR_AT, INK, width=1.2))
-    parts.append(label(bar / 2 + 4, BAR_AT + 3, f"{rounded(step, 1, language)} µm", anchor="start"))
+    parts.append(label(bar / 2 + 4, BAR_AT + 3, f"{rounded(step, 1, language)} {language.length_unit}", anchor="start"))
     return svg("".join(parts), SIZE, SIZE / 2 + BAR_AT + 8, left=-SIZE / 2, top=-SIZE / 2)
 
 
@@ -45,7 +46,7 @@ def _name(x: float, y: float, channel: str) -> str:
 
 
 def _path(place: ProbeStation, phasors: Complexes) -> Floats:
-    """Return the path (POINTS, 2) [µm] from the keyphasor's pulse on: an orbit of 1 µm pp is a circle of that diameter."""
+    """Return the path (POINTS, 2) from the keyphasor's pulse on: an orbit of 1 µm pp is a circle of that diameter."""
     axes = np.linalg.lstsq(place.directions, phasors[list(place.columns)], rcond=None)[0]
     turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, POINTS))
     return np.asarray(np.real(turn[:, None] * axes[None, :]) / 2.0)

@@ -1,6 +1,7 @@
 """Reads the contents of a report on a machine over a period."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from sqlalchemy.orm import Session
 
@@ -22,6 +23,7 @@ from service.reports.contents import (
 from service.reports.period import ReportPeriod
 from service.reports.trend_reading import read_trends, reported_names
 from service.wording.language import Language
+from service.wording.shown_units import USUAL_UNITS, ShownUnits
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.clock import now, to_datetime
@@ -39,9 +41,16 @@ MOST_RUNS = 4
 
 
 def read_contents(
-    session: Session, machine_id: str, period: ReportPeriod, *, texts: SiteTexts, baseline_runs: int
+    session: Session,
+    machine_id: str,
+    period: ReportPeriod,
+    *,
+    texts: SiteTexts,
+    baseline_runs: int,
+    units: ShownUnits = USUAL_UNITS,
 ) -> ReportContents:
-    """Read a report's contents. Raises MachineUnknown."""
+    """Read a report's contents. Its sentences tell lengths in the units' own, as its plots do. Raises MachineUnknown."""
+    texts = texts.in_language(replace(texts.language, length_unit=units.length))
     row = machines.get(session, machine_id)
     told = list(_alerts(session, machine_id, period, texts))
     events = sorted((event for _, own in told for event in own), key=lambda one: (one.at, one.id), reverse=True)
@@ -63,12 +72,13 @@ def read_contents(
         alerts=tuple(one for one, _ in told),
         events=tuple(events[:MOST_EVENTS]),
         notes=tuple(ReportedNote(to_datetime(one.at), one.kind, one.by, one.text) for one in notes[:MOST_NOTES]),
-        trends=tuple(read_trends(session, machine_id, names, period, baseline_runs=baseline_runs)),
+        trends=tuple(read_trends(session, machine_id, names, period, baseline_runs=baseline_runs, units=units)),
         balancings=tuple(_balancings(session, machine_id, period)),
         fit=None if newest is None else _fit(session, newest, baseline_runs),
         not_to_balance=_reason_to_wait(session, machine_id, texts.language),
         left_out=tuple(left_out),
         language=texts.language,
+        units=units,
     )
 
 

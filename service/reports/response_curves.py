@@ -8,6 +8,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.units import METRES, PEAK, RAD_PER_S
 from estimator.updated_model.fitted_response import fitted_response
 from service.identification.stored_model import Identified, UsedRun
+from service.wording.shown_units import ShownUnits
 
 MICROMETRES_PP = METRES["um"] * PEAK["peak-to-peak"]
 """Metres 0-to-peak of a micrometre peak-to-peak."""
@@ -32,6 +33,11 @@ class ResponseCurves:
         found[1:][np.abs(np.diff(found, axis=0)) > 180.0] = np.nan
         return found
 
+    def shown_in(self, units: ShownUnits) -> "ResponseCurves":
+        """Return the same with speeds and amplitudes in other units."""
+        size = units.amplitude_factor()
+        return ResponseCurves(self.speed * units.speed_factor(), self.value * size, self.lower * size, self.upper * size)
+
 
 @dataclass(frozen=True)
 class MeasuredPoints:
@@ -39,6 +45,10 @@ class MeasuredPoints:
 
     speed: Floats
     value: Complexes
+
+    def shown_in(self, units: ShownUnits) -> "MeasuredPoints":
+        """Return the same with speeds and amplitudes in other units."""
+        return MeasuredPoints(self.speed * units.speed_factor(), self.value * units.amplitude_factor())
 
 
 def response_curves(one: Identified, speed_rpm: Floats | None = None) -> ResponseCurves:

@@ -27,6 +27,7 @@ from service.reports.plot_frame import (
 from service.reports.response_curves import MeasuredPoints, ResponseCurves, lag_deg
 from service.wording.finding_words import rounded
 from service.wording.language import ENGLISH, Language
+from service.wording.shown_units import USUAL_UNITS, ShownUnits
 
 WIDTH, AMPLITUDE_HEIGHT, PHASE_HEIGHT = 335.0, 130.0, 95.0
 SIZE, RADIUS = 215.0, 82.0
@@ -41,13 +42,14 @@ def bode_figure(
     runs: list[MeasuredPoints],
     before: list[MeasuredPoints],
     language: Language = ENGLISH,
+    units: ShownUnits = USUAL_UNITS,
 ) -> str:
-    """Return amplitude above phase lag over speed of a channel."""
+    """Return amplitude above phase lag over speed of a channel. units: those that the curves are in."""
     shown = [abs(curves.value[:, number]), *(abs(one.value[:, number]) for one in (*runs, *before))]
     speeds = axis_over(np.concatenate([curves.speed, *(one.speed for one in (*runs, *before))]), "", language)
-    amplitudes = axis_over(np.concatenate(shown), language.translate("plot.first_order"), language, from_zero=True)
+    amplitudes = axis_over(np.concatenate(shown), f"1× [{units.amplitude_label()}]", language, from_zero=True)
     above = PlotFrame(speeds, amplitudes, width=WIDTH, height=AMPLITUDE_HEIGHT)
-    named = PlotAxis(speeds.low, speeds.high, speeds.ticks, language.translate("plot.speed"))
+    named = PlotAxis(speeds.low, speeds.high, speeds.ticks, units.speed_label(language))
     lags = PlotAxis(0.0, 360.0, LAGS, language.translate("plot.lag"))
     below = PlotFrame(named, lags, width=WIDTH, height=PHASE_HEIGHT)
     above.between(curves.speed, curves.lower[:, number], curves.upper[:, number], FITTED)
@@ -66,8 +68,12 @@ def polar_figure(
     runs: list[MeasuredPoints],
     before: list[MeasuredPoints],
     language: Language = ENGLISH,
+    units: ShownUnits = USUAL_UNITS,
 ) -> str:
-    """Return the 1× vectors of a channel; lag grows clockwise from the right, as on the page."""
+    """Return the 1× vectors of a channel; lag grows clockwise from the right, as on the page.
+
+    units: those that the curves are in.
+    """
     fitted = curves.value[:, number]
     sizes = np.abs(np.concatenate([fitted, *(one.value[:, number] for one in (*runs, *before))]))
     largest = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else 1.0
@@ -78,19 +84,18 @@ def polar_figure(
     parts += [segment(-RADIUS, 0.0, RADIUS, 0.0, GRID), segment(0.0, -RADIUS, 0.0, RADIUS, GRID)]
     parts += [label(RADIUS + 12, 3, "0°"), label(0, RADIUS + 11, "90°"), label(-RADIUS - 13, 3, "180°")]
     parts.append(label(0, -RADIUS - 4, "270°"))
-    parts.append(
-        label(-SIZE / 2, -SIZE / 2 + 8, language.translate("plot.rings", step=rounded(step, 1, language)), anchor="start")
-    )
+    rings_of = language.translate("plot.rings", step=rounded(step, 1, language), unit=units.amplitude_label())
+    parts.append(label(-SIZE / 2, -SIZE / 2 + 8, rings_of, anchor="start"))
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         parts += [dots(*_place(one.value[thinned_slice(one.speed.size), number], scale), colour) for one in drawn]
     few = thinned_slice(fitted.size, MOST_OF_A_CURVE)
     parts.append(curve(*_place(fitted[few], scale), FITTED))
-    parts += _speeds(fitted, curves.speed, scale)
+    parts += _speeds(fitted, curves.speed, scale, units, language)
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 
-def _speeds(fitted: Complexes, speed: Floats, scale: float) -> Iterator[str]:
-    """Yield dots with their speeds [r/min] on a curve, outwards of it and on white; no words over others."""
+def _speeds(fitted: Complexes, speed: Floats, scale: float, units: ShownUnits, language: Language) -> Iterator[str]:
+    """Yield dots with their speeds on a curve, outwards of it and on white; no words over others."""
     said: list[complex] = []
     for asked in np.linspace(speed[0], speed[-1], SPEED_LABELS):
         at = int(np.argmin(abs(speed - asked)))
@@ -101,7 +106,8 @@ def _speeds(fitted: Complexes, speed: Floats, scale: float) -> Iterator[str]:
             said.append(place)
             away = place / max(abs(place), 1e-9)
             anchor = "start" if away.real >= 0.0 else "end"
-            yield plain_label(px[0] + 5 * away.real, py[0] + 8 * away.imag + 2.5, f"{speed[at]:.0f}", anchor=anchor)
+            words = units.speed_number(float(speed[at]) / units.speed_factor(), language)
+            yield plain_label(px[0] + 5 * away.real, py[0] + 8 * away.imag + 2.5, words, anchor=anchor)
 
 
 def _place(value: Complexes, scale: float) -> tuple[Floats, Floats]:

@@ -70,15 +70,18 @@ def _trends(contents: ReportContents) -> str:
 
 
 def _responses(contents: ReportContents, fit: ReportedFit) -> str:
-    curves = response_curves(fit.one)
-    runs, before = ([measured_points(one) for one in each] for each in (fit.runs, fit.reference))
+    units = contents.units
+    curves = response_curves(fit.one).shown_in(units)
+    runs, before = ([measured_points(one).shown_in(units) for one in each] for each in (fit.runs, fit.reference))
     if fit.reference and fit.reference[0].machine.channels != fit.one.machine.channels:
         before = []
     shown = _channels(contents, fit)
     names = fit.one.machine.channels
     language = contents.language
     drawn = "".join(
-        captioned(language.translate(f"report.{kind}", channel=names[number]), draw(number, curves, runs, before, language))
+        captioned(
+            language.translate(f"report.{kind}", channel=names[number]), draw(number, curves, runs, before, language, units)
+        )
         for kind, draw in (("bode", bode_figure), ("polar", polar_figure))
         for number in shown
     )
@@ -109,13 +112,14 @@ def _orbits(contents: ReportContents, fit: ReportedFit) -> str:
     if not places:
         return muted(contents.language.translate("report.no_orbit"))
     rpm = _running_rpm(fit)
-    now = response_curves(fit.one, np.array([rpm])).value[0]
+    scale = contents.units.in_length(1.0)
+    now = scale * response_curves(fit.one, np.array([rpm])).value[0]
     first = fit.baseline[0] if fit.baseline else None
     alike = first is not None and first.machine.channels == fit.one.machine.channels
-    before = response_curves(first, np.array([rpm])).value[0] if first is not None and alike else None
+    before = scale * response_curves(first, np.array([rpm])).value[0] if first is not None and alike else None
     drawn = "".join(captioned(", ".join(one.channels), orbit_figure(one, now, before, contents.language)) for one in places)
     key = "report.orbit_key" if before is None else "report.orbit_key_compared"
-    return figures(contents.language.translate(key, rpm=rpm), drawn)
+    return figures(contents.language.translate(key, speed=contents.units.speed(rpm, contents.language)), drawn)
 
 
 def _running_rpm(fit: ReportedFit) -> float:
@@ -132,9 +136,12 @@ def _centrelines(contents: ReportContents, fit: ReportedFit) -> str:
     first = journal_paths(fit.baseline[0]) if fit.baseline else []
     before = {one.bearing: one for one in first}
     ends = (fit.one.speed_minimum / RAD_PER_S["rpm"], fit.one.speed_maximum / RAD_PER_S["rpm"])
-    language = contents.language
-    drawn = "".join(captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends, language)) for one in paths)
-    return figures(language.translate("report.centreline_key_compared" if first else "report.centreline_key"), drawn)
+    language, units = contents.language, contents.units
+    drawn = "".join(
+        captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends, language, units)) for one in paths
+    )
+    key = "report.centreline_key_compared" if first else "report.centreline_key"
+    return figures(language.translate(key, unit=units.speed_label(language)), drawn)
 
 
 def _balance(contents: ReportContents, fit: ReportedFit) -> str:
@@ -162,7 +169,8 @@ def _proposal(contents: ReportContents, one: Identified) -> str:
     said = {"before": before, "after": after}
     told = language.translate(
         "report.falls" if after < before else "report.falls_uncertain",
-        **{name: rounded(one / MICROMETRES_PP, 3, language) for name, one in said.items()},
+        unit=contents.units.amplitude_label(),
+        **{name: rounded(contents.units.amplitude_factor() * one / MICROMETRES_PP, 3, language) for name, one in said.items()},
     )
     heads = [language.translate(f"report.{one}") for one in ("plane", "correction", "angle")]
     return table(heads, rows) + muted(told)

@@ -9,6 +9,7 @@ from estimator.machine.parameter_description import describe
 from service.monitoring.trend_bands import baseline_bands
 from service.reports.contents import ReportedTrend
 from service.reports.period import ReportPeriod
+from service.wording.shown_units import ShownUnits
 from storage.findings import derived, identifications, trends
 from storage.findings.jobs import RUN
 from storage.findings.trends import ParameterHistory
@@ -40,16 +41,17 @@ def reported_names(session: Session, newest: IdentificationRow, alerted: Sequenc
 
 
 def read_trends(
-    session: Session, machine_id: str, names: Sequence[str], period: ReportPeriod, *, baseline_runs: int
+    session: Session, machine_id: str, names: Sequence[str], period: ReportPeriod, *, baseline_runs: int, units: ShownUnits
 ) -> Iterator[ReportedTrend]:
     """Yield the trends that have a value in the period."""
+    shown = SHOWN | _chosen(units)
     for name, history in trends.histories(session, machine_id, names, scope=RUN).items():
         size = np.where(np.isfinite(history.imaginary), np.hypot(history.value, history.imaginary), history.value)
         known = history.accepted & np.isfinite(size)
         known &= (history.measured_at >= period.first) & (history.measured_at <= period.last)
         if not known.any():
             continue
-        unit, scale = SHOWN.get(history.unit or "", (history.unit or "", 1.0))
+        unit, scale = shown.get(history.unit or "", (history.unit or "", 1.0))
         yield ReportedTrend(
             name=name,
             unit=unit,
@@ -59,6 +61,13 @@ def read_trends(
             upper=scale * history.upper[known],
             band=_band(session, machine_id, name, history, scale, baseline_runs),
         )
+
+
+def _chosen(units: ShownUnits) -> dict[str, tuple[str, float]]:
+    """Return the units of lengths and speeds that were chosen."""
+    rpm = SHOWN["rad/s"][1]
+    speed = ("Hz" if units.hertz else SHOWN["rad/s"][0], rpm * units.speed_factor())
+    return {"m": (units.length, units.in_length(1e6)), "rad/s": speed}
 
 
 def _band(

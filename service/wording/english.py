@@ -245,10 +245,10 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.response_key_compared": "Grey points: measured, run of {at}; blue: fit with 95 % band, brown points: baseline, "
     "identification {id}.",
     "report.channels_left": " {count} channels are not shown.",
-    "report.orbit_key": "1× at {rpm:.0f} r/min by the fit; dot: keyphasor; bars: probes.",
-    "report.orbit_key_compared": "1× at {rpm:.0f} r/min by the fit; dot: keyphasor; bars: probes; brown, dashed: baseline.",
-    "report.centreline_key": "Journals in their clearance by the model of the films; numbers: r/min, dot: highest speed.",
-    "report.centreline_key_compared": "Journals in their clearance by the model of the films; numbers: r/min, dot: highest "
+    "report.orbit_key": "1× at {speed} by the fit; dot: keyphasor; bars: probes.",
+    "report.orbit_key_compared": "1× at {speed} by the fit; dot: keyphasor; bars: probes; brown, dashed: baseline.",
+    "report.centreline_key": "Journals in their clearance by the model of the films; numbers: {unit}, dot: highest speed.",
+    "report.centreline_key_compared": "Journals in their clearance by the model of the films; numbers: {unit}, dot: highest "
     "speed; brown, dashed: baseline.",
     "report.no_centreline": "Where the journals stand in their clearance is known only of bearings whose oil films the "
     "document describes by geometry and oil; this one gives coefficients.",
@@ -273,9 +273,9 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.begun_by": "begun by",
     "report.step": "step",
     "report.no_correction": "No correction is proposed: {reason}.",
-    "report.falls": "By the model, the largest 1× over the speeds falls from {before} to below {after} µm pp, with 95 %.",
+    "report.falls": "By the model, the largest 1× over the speeds falls from {before} to below {after} {unit}, with 95 %.",
     "report.falls_uncertain": (
-        "By the model, the largest 1× over the speeds is {before} µm pp now and would be below {after} µm pp, with 95 %: "
+        "By the model, the largest 1× over the speeds is {before} {unit} now and would be below {after} {unit}, with 95 %: "
         "that this lowers it is not certain."
     ),
     "report.plane": "plane",
@@ -286,10 +286,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "balance.alert": "alert {id}: {finding}",
     "balance.more": "; and {count} more",
     "plot.lag": "phase lag",
-    "plot.first_order": "1× [µm pp]",
-    "plot.rings": "rings {step} µm pp",
-    "plot.speed": "r/min",
-    "plot.clearance": "clearance {clearance:.0f} µm",
+    "plot.rings": "rings {step} {unit}",
+    "plot.clearance": "clearance {clearance}",
     # --- names of the API's identifiers, where these are not words themselves
     "name.static_load": "static force",
     "name.force_x": "part along x",

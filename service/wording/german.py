@@ -251,11 +251,12 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.response_key_compared": "Graue Punkte: gemessen, Lauf vom {at}; blau: Anpassung mit 95-%-Band, braune Punkte: "
     "Referenzzustand, Identifikation {id}.",
     "report.channels_left": " {count} Kanäle sind nicht gezeigt.",
-    "report.orbit_key": "1× bei {rpm:.0f} 1/min nach der Anpassung; Punkt: Keyphasor; Balken: Aufnehmer.",
-    "report.orbit_key_compared": "1× bei {rpm:.0f} 1/min nach der Anpassung; Punkt: Keyphasor; Balken: Aufnehmer; braun, "
+    "report.orbit_key": "1× bei {speed} nach der Anpassung; Punkt: Keyphasor; Balken: Aufnehmer.",
+    "report.orbit_key_compared": "1× bei {speed} nach der Anpassung; Punkt: Keyphasor; Balken: Aufnehmer; braun, "
     "gestrichelt: Referenzzustand.",
-    "report.centreline_key": "Zapfen in ihrem Lagerspiel nach dem Modell der Ölfilme; Zahlen: 1/min, Punkt: höchste Drehzahl.",
-    "report.centreline_key_compared": "Zapfen in ihrem Lagerspiel nach dem Modell der Ölfilme; Zahlen: 1/min, Punkt: "
+    "report.centreline_key": "Zapfen in ihrem Lagerspiel nach dem Modell der Ölfilme; Zahlen: {unit}, Punkt: "
+    "höchste Drehzahl.",
+    "report.centreline_key_compared": "Zapfen in ihrem Lagerspiel nach dem Modell der Ölfilme; Zahlen: {unit}, Punkt: "
     "höchste Drehzahl; braun, gestrichelt: Referenzzustand.",
     "report.no_centreline": "Wo die Zapfen im Lagerspiel stehen, sagt das Modell nur von Lagern, deren Ölfilme die "
     "Beschreibung nach Geometrie und Öl nennt; diese hier nennt Koeffizienten.",
@@ -281,10 +282,10 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.begun_by": "begonnen durch",
     "report.step": "Schritt",
     "report.no_correction": "Kein Ausgleich wird vorgeschlagen: {reason}.",
-    "report.falls": "Nach dem Modell fällt das größte 1× über den Drehzahlen von {before} auf unter {after} µm pp, mit 95 %.",
+    "report.falls": "Nach dem Modell fällt das größte 1× über den Drehzahlen von {before} auf unter {after} {unit}, mit 95 %.",
     "report.falls_uncertain": (
-        "Nach dem Modell ist das größte 1× über den Drehzahlen jetzt {before} µm pp und läge, mit 95 %, unter {after} µm pp: "
-        "dass es damit sinkt, ist nicht sicher."
+        "Nach dem Modell ist das größte 1× über den Drehzahlen jetzt {before} {unit} und läge, mit 95 %, unter "
+        "{after} {unit}: dass es damit sinkt, ist nicht sicher."
     ),
     "report.plane": "Ebene",
     "report.correction": "Ausgleich",
@@ -294,10 +295,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "balance.alert": "Alarm {id}: {finding}",
     "balance.more": "; und {count} weitere",
     "plot.lag": "Phasennacheilung",
-    "plot.first_order": "1× [µm pp]",
-    "plot.rings": "Ringe {step} µm pp",
-    "plot.speed": "1/min",
-    "plot.clearance": "Lagerspiel {clearance:.0f} µm",
+    "plot.rings": "Ringe {step} {unit}",
+    "plot.clearance": "Lagerspiel {clearance}",
     # --- names of the API's identifiers
     "name.alert": "Warnung",
     "name.danger": "Gefahr",

@@ -14,6 +14,8 @@ from tests.browser.drawing import drawn, wait_drawn
 from tests.browser.story import MACHINE, simulate
 from tests.end_to_end.processes import Service, until
 
+PROBLEM = "application/problem+json"
+
 
 def test_an_older_run_is_shown_and_one_that_is_not_there_is_not_replaced(seen: Seen, service: Service) -> None:
     runs = service.get(f"/machines/{MACHINE}/runs")
@@ -156,6 +158,41 @@ def test_a_live_run_is_drawn_over_an_earlier_one_of_its_kind(seen: Seen, service
     chosen.select_option("")
     until(lambda: columns(panel) == alone, within_s=20, what="the earlier run is gone")
     assert seen.errors == []
+
+
+def test_an_overlaid_run_that_cannot_be_read_is_told_in_words(seen: Seen, service: Service) -> None:
+    """Said of the run that is going on and of orbits: refused, cut off on the way, of other channels, or no run at all."""
+    runs = service.get(f"/machines/{MACHINE}/runs")
+    now, earlier = runs[0], [run["id"] for run in runs[1:] if run["kind"] == runs[0]["kind"]]
+
+    def going_on(route: Route) -> None:
+        going = {"id": now["id"], "kind": now["kind"], "started_at": now["started_at"], "progress": 0.5}
+        route.fulfill(json={**route.fetch().json(), "run": going})
+
+    def of_others(route: Route) -> None:
+        answer = route.fetch().json()
+        route.fulfill(json={**answer, "channels": [f"other {one}" for one in answer["channels"]]})
+
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/state"), going_on)
+    refused = "only an analyst may read this run"
+    problem = {"status": 403, "detail": refused}
+    seen.page.route(
+        re.compile(rf"/runs/{earlier[0]}/"), lambda route: route.fulfill(status=403, content_type=PROBLEM, json=problem)
+    )
+    seen.page.route(re.compile(rf"/runs/{earlier[1]}/"), lambda route: route.abort("connectionreset"))
+    seen.page.route(re.compile(rf"/runs/{earlier[2]}/"), of_others)
+    seen.open(f"machines/{MACHINE}")
+    panel = seen.page.locator(".live")
+    for run, reason in zip(earlier, (refused, "does not answer", "none of this run's channels"), strict=False):
+        panel.get_by_label("Overlay").select_option(str(run))
+        expect(panel.get_by_role("status")).to_contain_text(f"Run {run} cannot be laid over")
+        expect(panel.get_by_role("status")).to_contain_text(reason)
+    expect(panel.locator("canvas")).to_have_count(1)
+    for page in (f"machines/{MACHINE}", f"machines/{MACHINE}/response", f"machines/{MACHINE}/shapes"):
+        seen.open(f"{page}?reference=999999")
+        expect(seen.page.locator("main").get_by_text("Run 999999 cannot be laid over").first).to_be_visible()
+    seen.open(f"machines/{MACHINE}/shapes?run={now['id']}&reference={earlier[0]}")
+    expect(seen.page.locator("main").get_by_text(refused).first).to_be_visible()
 
 
 def columns(panel: Locator) -> list[str]:

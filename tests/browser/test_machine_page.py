@@ -104,6 +104,32 @@ def test_orbits_and_mode_shapes_have_a_shape(seen: Seen) -> None:
     assert seen.errors == []
 
 
+EDGES = "shape => { const box = shape.getBoundingClientRect(); return [box.left, box.top, box.right, box.bottom]; }"
+
+
+def test_long_names_of_probes_stand_beside_the_orbit(seen: Seen) -> None:
+    """In the corners, each with its end, in which those of a station differ; the whole name is read out."""
+    long = {"x": "Turbine drive end bearing, probe X", "y": "Turbine drive end bearing, probe Y"}
+
+    def named(route: Route) -> None:
+        found = route.fetch().json()
+        orbits = [{**one, "channels": list(long.values())} for one in found["orbits"]]
+        route.fulfill(json={**found, "orbits": orbits})
+
+    seen.page.route(re.compile(r"/runs/\d+/orbits[?]"), named)
+    seen.open(f"machines/{MACHINE}/shapes")
+    figure = seen.page.locator(".orbits figure").first
+    names = figure.locator("svg text")
+    expect(names).to_have_count(2)
+    (left, top, right, _), (left2, top2, right2, _) = (one.evaluate(EDGES) for one in names.all())
+    rings = figure.locator("circle.grid").first.evaluate(EDGES)
+    outside = figure.locator("svg").evaluate(EDGES)
+    assert min(top, top2) >= rings[3], "below the rings, where no orbit is"
+    assert outside[0] <= left < right <= left2 < right2 <= outside[2]
+    expect(names.first.locator("title")).to_have_text(long["x"])
+    assert seen.errors == []
+
+
 def test_model_shows_campbell_diagram_and_coupling_forces(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}/model")
     expect(seen.page.locator(".plot canvas")).to_have_count(5)  # Campbell; two forces and two moments

@@ -137,6 +137,9 @@ def test_the_centreline_of_an_earlier_identification_is_laid_over(seen: Seen, fi
     expect(seen.page).to_have_url(re.compile(f"overlay={earlier}"))
     seen.page.get_by_label("Units of vibration and speed").select_option("mil_pp,hz")
     expect(found.get_by_text("radial clearance").first).to_contain_text(" mil")
+    oil = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Oil films"))
+    expect(oil.locator("tr", has_text="Journal x").first).to_contain_text(" mil")
+    expect(oil).not_to_contain_text("µm")
     expect(found).not_to_contain_text("µm")
     seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
     assert seen.errors == []

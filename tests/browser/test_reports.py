@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 from urllib.parse import parse_qs, urlsplit
 
+import pypdf
 import pytest
 from playwright.sync_api import Route, expect
 
@@ -34,6 +35,17 @@ def test_a_report_is_printed_on_demand_and_says_that_it_is_being_printed(seen: S
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF-")
     assert download.value.suggested_filename.startswith(f"{MACHINE}-")
     expect(seen.page.get_by_role("button", name="Report as PDF")).to_be_enabled()
+    assert seen.errors == []
+
+
+def test_a_report_as_pdf_is_in_the_units_of_the_page(seen: Seen) -> None:
+    seen.open(f"reports/{MACHINE}")
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_p,hz")
+    with seen.page.expect_download(timeout=90_000) as download:
+        seen.page.get_by_role("button", name="Report as PDF").click()
+    pages = [page.extract_text() for page in pypdf.PdfReader(download.value.path()).pages]
+    assert "1× [mil 0-pk]" in " ".join(pages)
+    assert "µm pp" not in " ".join(pages)
     assert seen.errors == []
 
 

@@ -1,5 +1,6 @@
 // A button that has the service print a machine's report, says how long that takes, and saves it.
 import { download } from "../browser/download";
+import { unitChoice } from "../browser/units";
 import { queryString } from "../data/http-client";
 import { usePrinting } from "../data/pdf-report";
 import { dayOf } from "../format/days";
@@ -18,7 +19,7 @@ export function PdfButton({ machine, from = null, to = null }: Props) {
   const file = `${machine}-${dayOf(to ? new Date(to) : new Date())}.pdf`;
   return (
     <span class="printing">
-      <button type="button" disabled={seconds !== null} onClick={() => start(`/machines/${machine}/report.pdf${queryString({ from, to, locale })}`, (pdf) => download(pdf, file))}>
+      <button type="button" disabled={seconds !== null} onClick={() => start(`/machines/${machine}/report.pdf${queryString({ from, to, locale, units: unitChoice.value })}`, (pdf) => download(pdf, file))}>
         {t("reportAsPdf")}
       </button>{" "}
       <span role="status">

@@ -1,5 +1,6 @@
 // Fields to choose a run, and one to overlay on it.
-import { replaceQuery } from "../browser/router";
+import { replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
 import { MAX_RUNS, type RunSelection } from "../data/run-selection";
 import { when } from "../format/times";
 import { t, term } from "../messages/messages";
@@ -7,6 +8,7 @@ import type { Run } from "../schemas/runs";
 import { Truncated } from "./panel";
 
 export function RunSelect({ all, listed, run, reference }: RunSelection) {
+  const asked = useStore(route).query.get("reference");
   const sameKind = all?.filter((one) => one.kind === run?.kind && one.id !== run?.id) ?? [];
   return (
     <>
@@ -22,8 +24,18 @@ export function RunSelect({ all, listed, run, reference }: RunSelection) {
       <button type="button" disabled={sameKind.length === 0} onClick={() => replaceQuery({ reference: String(sameKind.at(-1)!.id) })}>
         {t("overlayTheOldestOfIts")}
       </button>
+      {all && asked && !reference && <NotOverlaid>{t("overlaidRunIsNotHere", { id: asked })}</NotOverlaid>}
     </>
   );
+}
+
+/** Why a run that was chosen is not laid over; nothing where it is. */
+export function NotOverlaid({ children }: { children: string | undefined }) {
+  return children ? (
+    <p class="error" role="status">
+      {children}
+    </p>
+  ) : null;
 }
 
 /** A field to choose the run that is overlaid, which the address names. */

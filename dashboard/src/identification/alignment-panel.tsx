@@ -119,7 +119,7 @@ function allowedText({ allowed, beyond, unit }: AlignmentNumber, units: ShownUni
 /** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
 function TargetCell({ target: { state, target, off, beyond }, unit }: { target: AlignmentTarget; unit: string }) {
   const units = useUnits();
-  if (off.value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;
+  if (off.value === null) return <td class="number muted reason">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;
   const scale = scaleOf(Math.max(...[off.value, off.lower, off.upper, target].map((one) => Math.abs(one ?? 0))), unit, units);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   const exceeded = beyond !== null && beyond > 0.5 && `; ${t("targetExceeded", { per_cent: Math.floor(100 * beyond) })}`;
@@ -133,7 +133,7 @@ function TargetCell({ target: { state, target, off, beyond }, unit }: { target: 
 /** part: the number in per cent of what was before; null where that says nothing. */
 function Cell({ told: { value, lower, upper, reason }, unit, part = null }: { told: Determined; unit: string; part?: number | null }) {
   const units = useUnits();
-  if (value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: reason && stored(reason) })}</td>;
+  if (value === null) return <td class="number muted reason">{t("notDeterminedBecause", { reason: reason && stored(reason) })}</td>;
   const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit, units);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return (

@@ -3,9 +3,10 @@
 import type { DataColumn } from "../browser/download";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { useUnits } from "../browser/units";
 import { Panel } from "../components/panel";
 import { Speed } from "../components/speed";
-import { number, scaleOf } from "../format/numbers";
+import { number, scaleOf, type ShownUnits } from "../format/numbers";
 import { rich, t } from "../messages/messages";
 import { ClearanceCircle, type Coordinate } from "../plots/clearance-circle";
 import { SaveDrawing } from "../plots/save-buttons";
@@ -81,6 +82,7 @@ function BearingSelect({ films, chosen }: { films: OilFilm[]; chosen: string }) 
 
 function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentFilm | undefined }) {
   const preload = documented?.preload ?? 0;
+  const units = useUnits();
   const hasPads = documented?.profile !== undefined && !["plain", "two_axial_grooves"].includes(documented.profile);
   const numbers: [string, Bounded | undefined][] = [
     [hasPads ? t("clearanceOfThePads") : t("radialClearance"), film.clearance],
@@ -102,7 +104,7 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
       <div class="film">
         {film.radius !== null && (
           <ClearanceCircle
-            label={t("oilFilmDrawing", { bearing: film.bearing, values: rows.map(([name, one]) => `${name.toLowerCase()} ${spoken(one)}`).join("; ") })}
+            label={t("oilFilmDrawing", { bearing: film.bearing, values: rows.map(([name, one]) => `${name.toLowerCase()} ${spoken(one, units)}`).join("; ") })}
             radius={film.radius}
             assembled={preload > 0 ? film.radius * (1 - preload) : undefined}
             position={positionOf(film)}
@@ -111,7 +113,7 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
         <table>
           <tbody>
             {rows.map(([name, one]) => (
-              <Row key={name} name={name} one={one} />
+              <Row key={name} name={name} one={one} units={units} />
             ))}
           </tbody>
         </table>
@@ -141,8 +143,8 @@ function positionOf({ journalX, journalY }: OilFilm): { x: Coordinate; y: Coordi
   return x && y && { x, y };
 }
 
-function Row({ name, one }: { name: string; one: Bounded }) {
-  const text = textOf(one);
+function Row({ name, one, units }: { name: string; one: Bounded; units: ShownUnits }) {
+  const text = textOf(one, units);
   return (
     <tr>
       <th scope="row">{name}</th>
@@ -158,14 +160,14 @@ function Row({ name, one }: { name: string; one: Bounded }) {
 }
 
 /** A number with its unit and its bounds in the same; null where it is not known. One near zero has the unit of its interval. */
-function textOf({ value, lower, upper, unit }: Bounded): { value: string; lower: string; upper: string } | null {
+function textOf({ value, lower, upper, unit }: Bounded, units: ShownUnits): { value: string; lower: string; upper: string } | null {
   if (value === null) return null;
-  const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit);
+  const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit, units);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return { value: `${shown(value)} ${scale.unit}`.trim(), lower: shown(lower), upper: shown(upper) };
 }
 
-function spoken(one: Bounded): string {
-  const text = textOf(one);
+function spoken(one: Bounded, units: ShownUnits): string {
+  const text = textOf(one, units);
   return text ? t("valueWithBounds", { value: text.value, lower: text.lower, upper: text.upper }) : t("notEstimable");
 }

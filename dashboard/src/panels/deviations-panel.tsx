@@ -37,7 +37,7 @@ export function DeviationsPanel({ machine, result, next, none }: Props) {
     <Panel title={TITLE} aside={result.data && <Compared found={result.data} />}>
       {next?.isLocal && <ErrorMessage failure={next} />}
       <Loaded result={result} lines={12}>
-        {(found) => (found.missing ? <Empty>{stored(found.missing)}</Empty> : <Table machine={machine.id} found={found} />)}
+        {(found) => (found.missing ? <Empty>{t("noChangeAgainstABaseline", { missing: stored(found.missing) })}</Empty> : <Table machine={machine.id} found={found} />)}
       </Loaded>
     </Panel>
   );

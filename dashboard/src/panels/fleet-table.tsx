@@ -42,7 +42,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
 }
 
 function Row({ one }: { one: FleetMachine }) {
-  const units = useUnits();
+  const needed = needs(one, useUnits());
   return (
     <tr data-machine={one.id}>
       <td class="open">
@@ -55,7 +55,8 @@ function Row({ one }: { one: FleetMachine }) {
         </div>
       </td>
       <td class="needs">
-        {needs(one, units).map(({ words }) => (
+        {needed.length === 0 && <span class="muted">{t("nothing")}</span>}
+        {needed.map(({ words }) => (
           <div key={words}>{words}</div>
         ))}
       </td>

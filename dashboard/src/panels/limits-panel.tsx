@@ -77,8 +77,8 @@ function Row({ kind, rule, onChange }: { kind: FindingKind; rule: Rule; onChange
       <th scope="row">{findingLabel(kind)}</th>
       <td>{levelText(rule.alert)}</td>
       <td>{levelText(rule.danger)}</td>
-      <td class="number">{rule.on_delay}</td>
-      <td class="number">{rule.off_delay}</td>
+      <td class="number">{t("inARow", { count: rule.on_delay })}</td>
+      <td class="number">{t("inARow", { count: rule.off_delay })}</td>
       <td class="number">{Math.round(100 * rule.hysteresis)} %</td>
       <td>{rule.latching ? t("yes") : t("no")}</td>
       <td>

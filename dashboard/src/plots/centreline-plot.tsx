@@ -9,6 +9,8 @@ const SIZE = 260;
 const RADIUS = 104;
 /** Speeds written beside a line: its first, middle and last. */
 const LABELS = [0, 0.5, 1];
+/** From a line inwards to the words beside it, beyond what gaps scatter about it and clear of the circle. */
+const BESIDE = 11;
 
 export interface JournalLine {
   name: string;
@@ -80,7 +82,7 @@ function Line({ line, scale }: { line: JournalLine; scale: number }) {
       {labelled.map((one) => (
         <g key={one.speed}>
           <circle class="journal" cx={one.x * scale} cy={-one.y * scale} r={2} />
-          <text x={one.x * scale + 5} y={-one.y * scale - 4}>
+          <text class="speed" x={one.x * scale + (one.x > 0 ? -BESIDE : BESIDE)} y={-one.y * scale + 3} text-anchor={one.x > 0 ? "end" : "start"}>
             {number(one.speed)}
           </text>
         </g>

@@ -11,6 +11,9 @@ const GAP = 6;
 const SIZE = 200;
 const RADIUS = 78;
 const PROBE_RADIUS = 91;
+/** Characters of a name that fits beside its probe; longer ones stand in the corners below the rings, clear of the orbit. */
+const SHORT_NAME = 5;
+const CORNER_NAME = 16;
 const BASE_WIDTH = 200;
 const BASE_HEIGHT = 70;
 /** From an amplitude, 0-to-peak, to peak-to-peak. */
@@ -82,6 +85,7 @@ function orbitPath([x, y]: [number[], number[]], scale: number): string {
 
 /** Each probe where it looks at the shaft from. */
 function Probes({ orbit }: { orbit: Orbit }) {
+  const areShort = orbit.channels.every((one) => one.length <= SHORT_NAME);
   return (
     <>
       {orbit.channels.map((channel, index) => {
@@ -90,14 +94,26 @@ function Probes({ orbit }: { orbit: Orbit }) {
         return (
           <g key={channel} class={`curve s${index}`}>
             <path transform={`translate(${(RADIUS * x).toFixed(1)} ${(RADIUS * y).toFixed(1)}) rotate(${-angle})`} d="M2 -4H9V4H2Z" />
-            <text x={PROBE_RADIUS * x} y={PROBE_RADIUS * y + (Math.abs(y) < 0.3 ? -8 : y > 0 ? 6 : 1)} text-anchor={x > 0.3 ? "end" : x < -0.3 ? "start" : "middle"}>
-              {channel}
-            </text>
+            {areShort ? (
+              <text x={PROBE_RADIUS * x} y={PROBE_RADIUS * y + (Math.abs(y) < 0.3 ? -8 : y > 0 ? 6 : 1)} text-anchor={x > 0.3 ? "end" : x < -0.3 ? "start" : "middle"}>
+                {channel}
+              </text>
+            ) : (
+              <text class="corner" x={(SIZE / 2 - 2) * (index ? 1 : -1)} y={SIZE / 2 + 2} text-anchor={index ? "end" : "start"}>
+                {shortened(channel)}
+                <title>{channel}</title>
+              </text>
+            )}
           </g>
         );
       })}
     </>
   );
+}
+
+/** The end of a long name, in which those of one station differ. */
+function shortened(name: string): string {
+  return name.length <= CORNER_NAME ? name : `…${name.slice(1 - CORNER_NAME)}`;
 }
 
 /** What a probe sees along its own direction over one turn, 0-to-peak [µm]. */

@@ -53,15 +53,20 @@ export function drawnCurve(curve: PolarCurve, scale: number): DrawnCurve {
   return { curve, points };
 }
 
-/** A few points whose speeds are written beside them, well apart on the curve. */
-export function labelledPoints(points: Point[]): Point[] {
-  const labelled: Point[] = [];
-  for (const one of [...points].sort((a, b) => Math.hypot(b.x, b.y) - Math.hypot(a.x, a.y))) {
-    if (labelled.length >= LABELS) break;
-    const isApart = labelled.every((other) => Math.hypot(one.x - other.x, one.y - other.y) > LABEL_DISTANCE);
-    if (isApart && Math.hypot(one.x, one.y) > LABEL_RADIUS) labelled.push(one);
-  }
-  return labelled;
+/** A few points of each curve whose speeds are written beside them, well apart from each other and from those of other curves. */
+export function labelledPoints(drawn: DrawnCurve[]): Point[][] {
+  const placed: Point[] = [];
+  return drawn.map(({ curve, points }) => {
+    if (curve.faint || curve.unlabelled || curve.vector) return [];
+    const labelled: Point[] = [];
+    for (const one of [...points].sort((a, b) => Math.hypot(b.x, b.y) - Math.hypot(a.x, a.y))) {
+      if (labelled.length >= LABELS || Math.hypot(one.x, one.y) <= LABEL_RADIUS) break;
+      if (placed.some((other) => Math.hypot(one.x - other.x, one.y - other.y) <= LABEL_DISTANCE)) continue;
+      labelled.push(one);
+      placed.push(one);
+    }
+    return labelled;
+  });
 }
 
 export function nearestPlace(drawn: DrawnCurve[], x: number, y: number): PointPlace | null {

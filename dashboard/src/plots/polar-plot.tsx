@@ -14,6 +14,8 @@ const SIZE = 320;
 const RADIUS = 132;
 /** From a point to its speed. */
 const SPEED_APART = 7;
+/** Of the words of a speed; where less is left they stand inwards. */
+const SPEED_WIDTH = 28;
 
 interface Props {
   title: string;
@@ -66,8 +68,8 @@ export function PolarPlot({ title, curves, unit, speedUnit = t("rpm") }: Props) 
         {drawn.map((one) => (
           <CurveOf drawn={one} scale={scale} />
         ))}
-        {drawn.map((one) => (
-          <SpeedsOf drawn={one} />
+        {labelledPoints(drawn).map((points, at) => (
+          <SpeedsAt points={points} curve={drawn[at]!.curve} />
         ))}
         {point && <circle class="chosen" cx={point.x} cy={point.y} r={5} />}
       </svg>
@@ -106,14 +108,14 @@ function CurveOf({ drawn: { curve, points }, scale }: { drawn: DrawnCurve; scale
 }
 
 /** Speeds beside a curve, outwards of it, above all curves. */
-function SpeedsOf({ drawn: { curve, points } }: { drawn: DrawnCurve }) {
-  if (curve.faint || curve.unlabelled || curve.vector) return null;
+function SpeedsAt({ curve, points }: { curve: PolarCurve; points: Point[] }) {
   return (
     <g class={`curve s${curve.style % COLOURS}`}>
-      {labelledPoints(points).map((one) => {
-        const size = Math.hypot(one.x, one.y);
+      {points.map((one) => {
+        const out = 1 + SPEED_APART / Math.hypot(one.x, one.y);
+        const isAtEdge = Math.abs(one.x) * out > SIZE / 2 - SPEED_WIDTH;
         return (
-          <text class="speed" x={one.x * (1 + SPEED_APART / size)} y={one.y * (1 + SPEED_APART / size) + 4} text-anchor={one.x < 0 ? "end" : "start"}>
+          <text class="speed" x={one.x * out} y={one.y * out + 4} text-anchor={one.x < 0 === isAtEdge ? "start" : "end"}>
             {number(curve.rpm[one.index]!, 4)}
           </text>
         );

@@ -118,11 +118,11 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
         <thead>
           <tr>
             <th title={t("atTheEndOfThe")}>{t("severity")}</th>
+            <th title={t("atTheEndOfThe")}>{t("message")}</th>
             <th>{t("element")}</th>
             <th title={t("atTheEndOfThe")}>{t("state")}</th>
             <th>{t("opened")}</th>
             <th>{t("closed")}</th>
-            <th title={t("atTheEndOfThe")}>{t("message")}</th>
           </tr>
         </thead>
         <tbody>
@@ -131,6 +131,7 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
               <td>
                 <Severity severity={one.severity} />
               </td>
+              <td>{one.message}</td>
               <td>{elementName(one.element)}</td>
               <td>{alertStateLabel(one.state)}</td>
               <td>
@@ -139,7 +140,6 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
               <td>
                 <Time at={one.closed_at} />
               </td>
-              <td>{one.message}</td>
             </tr>
           ))}
         </tbody>

@@ -2,13 +2,13 @@
 import { route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { inUnit, speedsInUnit, useUnits, type Units } from "../browser/units";
-import { Loading, StaleNotice } from "../components/loading";
+import { ErrorMessage, Loading, StaleNotice } from "../components/loading";
 import { Panel } from "../components/panel";
-import { OverlaySelect } from "../components/run-select";
-import { useResource } from "../data/resource";
+import { NotOverlaid, OverlaySelect } from "../components/run-select";
+import { useResource, type QueryResult } from "../data/resource";
 import { MAX_RUNS } from "../data/run-selection";
 import { speedSweep, type SpeedSweep } from "../data/speed-sweep";
-import { t } from "../messages/messages";
+import { t, term } from "../messages/messages";
 import { mergeOnCommonAxis } from "../plots/common-axis";
 import { Plot } from "../plots/plot";
 import type { Curve } from "../plots/plot-props";
@@ -25,10 +25,11 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
   const result = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, POLL_MS);
   const { query } = useStore(route);
-  const listed = useResource<Run[]>(run ? `/machines/${machine.id}/runs?limit=${MAX_RUNS}` : null, LIST_MS).data ?? [];
-  const earlier = listed.filter((one) => one.kind === run?.kind && one.id !== run.id && one.state !== "discarded" && one.samples !== 0);
-  const chosen = earlier.find((one) => String(one.id) === query.get("reference"));
-  const overlaid = useResource<Phasors>(chosen ? `/runs/${chosen.id}/phasors?slow_roll=in_force` : null).data;
+  const list = useResource<Run[]>(run ? `/machines/${machine.id}/runs?limit=${MAX_RUNS}` : null, LIST_MS);
+  const earlier = (list.data ?? []).filter((one) => one.kind === run?.kind && one.id !== run.id && one.state !== "discarded" && one.samples !== 0);
+  const asked = query.get("reference");
+  const chosen = earlier.find((one) => String(one.id) === asked);
+  const overlaid = useResource<Phasors>(chosen ? `/runs/${chosen.id}/phasors?slow_roll=in_force` : null);
   const units = useUnits();
   if (!run) return null;
   const { amplitude, speed } = units;
@@ -38,7 +39,7 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
     <>
       {phasors && (
         <p class="muted">
-          {[chosen && t("overlaidRunLegend", { of: "" }), slowRollOf(phasors)].filter(Boolean).join("; ")}
+          {[chosen && overlaid.data && t("overlaidRunLegend", { of: "" }), slowRollOf(phasors)].filter(Boolean).join("; ")}
         </p>
       )}
       {earlier.length > 0 && (
@@ -51,12 +52,15 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
   return (
     <Panel title={t("runLive", { id: run.id })} class="live" aside={aside}>
       <StaleNotice result={result} />
+      {list.failure?.isLocal && <ErrorMessage failure={list.failure} />}
+      {list.data && asked && !chosen && <NotOverlaid>{t("overlaidRunIsNone", { id: asked, kind: term(run.kind) })}</NotOverlaid>}
+      {chosen && <NotOverlaid>{whyMissing(chosen, overlaid, phasors)}</NotOverlaid>}
       {sweep ? (
         <Plot
           label={t("amplitudeSoFar", { id: run.id })}
           xUnit={speed.label}
           yUnit={amplitude.label}
-          {...curvesOf(sweep, overlaid && speedSweep(overlaid), units)}
+          {...curvesOf(sweep, overlaid.data && speedSweep(overlaid.data), units)}
           xRange={[machine.speed_range.minimum_rpm * speed.factor, machine.speed_range.maximum_rpm * speed.factor]}
           height={190}
         />
@@ -65,6 +69,13 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
       )}
     </Panel>
   );
+}
+
+/** Why a run is not drawn over another one: it cannot be read, or has no values of that one's channels; nothing where it is drawn. */
+function whyMissing({ id }: Run, { data, failure }: QueryResult<Phasors>, over: Phasors | undefined): string | undefined {
+  if (!data) return failure && t("overlaidRunCannotBeRead", { id, reason: failure.message });
+  if (data.speed_rpm.length === 0) return t("overlaidRunIsEmpty", { id });
+  return over && !over.channels.some((one) => data.channels.includes(one)) ? t("overlaidRunHasOtherChannels", { id }) : undefined;
 }
 
 /** The amplitudes of a run's channels, and behind them those of an overlaid one. */

@@ -72,7 +72,7 @@ export function useOrbits(machine: string, run: Run | undefined, reference: Run 
   const isComplete = !reference || other.data || other.failure;
   const now = found.data && isComplete ? { found: found.data, other: other.data } : undefined;
   const complete = useLastComplete<OrbitsAndOverlay>([run?.id, reference?.id, speed].join(), now);
-  return { result: { ...found, data: found.data || !found.failure?.isLocal ? complete : undefined }, failure };
+  return { result: { ...found, data: found.data || !found.failure?.isLocal ? complete : undefined }, failure: failure ?? other.failure };
 }
 
 /** The speed is shown while it is dragged, and chosen when it is let go. */

@@ -1,5 +1,6 @@
 """Serves the report of a machine as PDF, printed in a worker process and kept while nothing changes that it tells."""
 
+from dataclasses import replace
 from typing import Annotated, Any, cast
 
 from fastapi import APIRouter, Query, Request, Response
@@ -16,6 +17,7 @@ from service.reports.report_process import ReportProcess
 from service.reports.state_stamp import report_stamp
 from service.security.requirement import VIEWER
 from service.wording.language import Language, Locale
+from service.wording.shown_units import ShownUnits, UnitsName, units_of
 from storage.clock import now, to_datetime
 from storage.machines import machines
 
@@ -23,6 +25,13 @@ router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, d
 
 PDF = "application/pdf"
 ReportLocale = Annotated[Locale | None, Query(description="language of the report: en, de")]
+ReportUnits = Annotated[
+    UnitsName | None,
+    Query(
+        description="units of plots, tables and sentences, as the page's switch names them: µm or mil, peak-to-peak (pp) or "
+        "0-to-peak (p), r/min or Hz; by default mil where Accept-Language asks for the units of the US, else the site's"
+    ),
+]
 DAY_NS = 86_400 * 10**9
 """A report without an end is of the day on which it is asked for [ns]."""
 ANSWERS: dict[int | str, dict[str, Any]] = {
@@ -37,14 +46,18 @@ ANSWERS: dict[int | str, dict[str, Any]] = {
 
 
 @router.get("/{machine_id}/report.pdf", operation_id="read_report", response_class=Response, responses=ANSWERS)
-def read_report(request: Request, machine_id: MachineId, period: Period, locale: ReportLocale = None) -> Response:
+def read_report(
+    request: Request, machine_id: MachineId, period: Period, locale: ReportLocale = None, units: ReportUnits = None
+) -> Response:
     """Read a report as PDF: findings and what to do, trends, plots, alignment, balance, history.
 
     Without `to` it ends now, without `from` it begins a year before its end. Without `locale` it is in the
     language that Accept-Language asks for, else the site's.
     """
     moment = now()
-    language = Language(reader_language(request).code if locale is None else locale)  # in µm, as its plots are
+    reader = reader_language(request)
+    shown = _asked_units(request, units, reader)
+    language = Language(reader.code if locale is None else locale, shown.length)
     asked = asked_period(period.first, period.last, moment=moment)
     with database(request).reading() as session:
         machines.get(session, machine_id)
@@ -60,11 +73,12 @@ def read_report(request: Request, machine_id: MachineId, period: Period, locale:
                 asked,
                 texts=request.app.state.texts.in_language(language),
                 baseline_runs=cast(int, request.app.state.baseline_runs),
+                units=shown,
             )
         return process.printed(contents)
 
     day = moment // DAY_NS if period.last is None else None
-    key = (machine_id, period, day, stamp, language)
+    key = (machine_id, period, day, stamp, language, shown)
     pdf = cache.compute_queued(key, work, long=True, caller=caller_of(request), wanted=lambda: not has_gone(request))
     name = f"{machine_id}-{to_datetime(asked.last):%Y-%m-%d}.pdf"
     return Response(
@@ -76,3 +90,11 @@ def read_report(request: Request, machine_id: MachineId, period: Period, locale:
             "Vary": "Accept-Language",
         },
     )
+
+
+def _asked_units(request: Request, name: UnitsName | None, reader: Language) -> ShownUnits:
+    """Return the units that a request states, else mils where its language asks for them, else the site's."""
+    if name is not None:
+        return units_of(name)
+    site = units_of(request.app.state.report_units)
+    return replace(site, length="mil") if reader.length_unit == "mil" else site

@@ -20,4 +20,6 @@ def test_what_is_wrong_is_one_line(plant: Database, tmp_path: Path) -> None:
     assert "no machine 'none' is known" in run("report", "none", "--output", written, "--database", url, status=1)
     late = run("report", KEY.machine, "--from", "2200-01-01", "--output", written, "--database", url, status=1)
     assert "ends before it begins" in late
+    inches = run("report", KEY.machine, "--units", "inch,rpm", "--output", written, "--database", url, status=1)
+    assert "units 'inch,rpm' are none of: um_pp,rpm; " in inches
     assert not Path(written).exists()

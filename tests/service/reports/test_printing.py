@@ -6,6 +6,7 @@ import socket
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pypdf
@@ -13,6 +14,7 @@ import pytest
 
 from estimator.phasors.measurement import Measurement
 from service.advice.site_texts import SiteTexts
+from service.configuration.settings import Settings
 from service.identification.stored_model import UsedRun
 from service.reports.contents import ReportContents, ReportedNote, ReportedTrend
 from service.reports.period import asked_period
@@ -20,9 +22,11 @@ from service.reports.printing import printed_html, report_html
 from service.reports.reading import read_contents
 from service.reports.trend_figure import trend_figure
 from service.wording.language import ENGLISH, GERMAN, Language
+from service.wording.shown_units import CHOICES, USUAL_UNITS, ShownUnits, UnitsUnknown, units_of
 from storage.clock import now
 from storage.database.engine import Database
 from tests.estimator.alignment.drawn_runs import MODEL
+from tests.paths import ROOT
 from tests.plant import KEY, START
 from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
 from tests.service.monitoring.test_alignment_alerts import sunk
@@ -41,11 +45,11 @@ def sunken(plant: Database) -> ReportContents:
     return contents_of(plant, ENGLISH)
 
 
-def contents_of(plant: Database, language: Language) -> ReportContents:
+def contents_of(plant: Database, language: Language, units: ShownUnits = USUAL_UNITS) -> ReportContents:
     with plant.reading() as session:
         period = asked_period(START, None, moment=now())
         texts = SiteTexts(language=language)
-        return read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE)
+        return read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE, units=units)
 
 
 def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportContents) -> None:
@@ -96,6 +100,43 @@ def test_the_same_is_told_in_german(plant: Database, sunken: ReportContents) -> 
     # No sentence of the English report is left.
     english = set(re.findall(r">([^<>]*[A-Za-z]{3,} [a-z]{2,}[^<>]*)<", report_html(sunken)))
     assert {one for one in english if f">{one}<" in page} == set()
+
+
+@pytest.mark.parametrize("language", [ENGLISH, GERMAN])
+def test_a_report_is_in_the_units_that_are_asked_for(plant: Database, sunken: ReportContents, language: Language) -> None:
+    """All of it: plots, tables and sentences. Speeds in sentences of findings are told with their own unit, as on the page."""
+    asked = contents_of(plant, language, units_of("mil_p,hz"))
+    quiet = replace(sunken, alerts=(), not_to_balance=None)  # with a proposal of masses, which an alert would hold back
+    for contents in (asked, replace(quiet, language=asked.language, units=asked.units, trends=asked.trends)):
+        page = report_html(contents)
+        assert re.findall(r"[^>]*\bµm\b[^<]*|[^>]*\bpp\b[^<]*", page) == []
+        assert {">1× [mil 0-pk]<", ">Hz<"} <= set(re.findall(r">[^<>]*<", page))
+    assert re.search(rf"({'to below' if language is ENGLISH else 'auf unter'}) [\d.,]+ mil 0-pk", page)
+    proposed = re.findall(r"(?:falls from|fällt das größte 1× über den Drehzahlen von) ([\d.,]+)", page)
+    in_um = re.findall(r"falls from ([\d.]+)", report_html(quiet))
+    assert float(proposed[0].replace(",", ".")) == pytest.approx(float(in_um[0]) / 25.4 / 2.0, rel=0.01)
+    (alert,) = asked.open_alerts
+    assert alert.last.advice is not None
+    offsets = [one.words for one in alert.last.advice.how_far if "mil" in one.words]
+    assert offsets, "sentences are in the unit of the plots"
+    for before, after in zip(sunken.trends, asked.trends, strict=True):
+        if before.unit == "µm":
+            assert after.unit == "mil"
+            assert np.allclose(after.value, before.value / 25.4)
+
+
+def test_units_are_those_of_the_page_and_of_the_settings() -> None:
+    shown = (ROOT / "dashboard" / "src" / "browser" / "units.ts").read_text(encoding="utf-8")
+    amplitudes = re.findall(r"^  (\w+): \{ label: \"(.*?)\", factor: (.*?) \},$", shown, re.MULTILINE)
+    assert {f"{name},{speed}" for name, _, _ in amplitudes for speed in ("rpm", "hz")} == set(CHOICES)
+    for name, label, factor in amplitudes:
+        units = units_of(f"{name},rpm")
+        dividend, _, divisor = factor.replace("MIL_UM", "25.4").partition(" / ")
+        assert units.amplitude_label() == label
+        assert units.amplitude_factor() == pytest.approx(float(dividend) / float(divisor or 1.0))
+    assert get_args(Settings.model_fields["report_units"].annotation) == CHOICES
+    with pytest.raises(UnitsUnknown, match=r"'inch,rpm' are none of: um_pp,rpm; "):
+        units_of("inch,rpm")
 
 
 def test_a_plot_of_10_000_points_stays_small(sunken: ReportContents) -> None:

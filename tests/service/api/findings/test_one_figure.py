@@ -2,6 +2,7 @@
 
 import html
 import json
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,6 +19,7 @@ from service.reports.period import asked_period
 from service.reports.printing import report_html
 from service.reports.reading import read_contents
 from service.wording.language import ENGLISH, GERMAN, Language
+from service.wording.shown_units import USUAL_UNITS, ShownUnits, UnitsName, units_of
 from storage.alerts import alerts
 from storage.clock import now
 from storage.database.engine import Database
@@ -120,6 +122,38 @@ def test_report_mail_and_webhook_tell_the_alert_s_figures(plant: Database, langu
     assert (row if language == ENGLISH else row.replace(".", ",")) in page, "the table of alignments says the same"
 
 
+@pytest.mark.parametrize("units", ["um_pp,rpm", "mil_pp,rpm"])
+def test_report_and_api_tell_the_same_alignment_and_loads(plant: Database, units: UnitsName) -> None:
+    """Every row of the report's tables, in µm or mil, is a number of `alignment`; the alert's words are the same in both."""
+    weeks = FilmWeeks(plant)
+    weeks.file({}, times=BASELINE)
+    weeks.file(sunk(120e-6), times=4)
+    shown = units_of(units)
+    page = report_of(plant, SiteTexts(), shown)
+    tag = "en-u-ms-ussystem" if shown.length == "mil" else "en"
+    (alert,) = Api(plant).ask("GET", "/api/v1/alerts?open=true", headers={"accept-language": tag}).json()
+    assert [one for one in words_of(alert) if one not in page] == []
+    told = Api(plant).value(f"/machines/{MODEL.machine.id}/alignment")
+    scale = {"m": shown.in_length(1e6), "rad": 1e6, "N": 1.0}
+    rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", page)]
+    compared = 0
+    for one in (*told["numbers"], *told["loads"]):
+        element, change = one.get("coupling") or one["bearing"], one["change"]
+        quantity = one["quantity"].replace("_", " ")
+        (row,) = (each for each in rows if each[:2] == [element, quantity] and len(each) == 6)
+        if change["value"] is None:
+            assert "not determined" in row[2]
+            continue
+        said, half = (row[3], row[4]) if one["unit"] == "N" else (row[2], row[3])
+        factor = scale[one["unit"]]
+        for text, value in ((said, change["value"]), (half, (change["upper"] - change["lower"]) / 2.0)):
+            digits = text.split()[0]
+            last = 10.0 ** -len(digits.partition(".")[2])
+            assert float(digits) == pytest.approx(factor * value, abs=0.51 * last + 0.005 * abs(factor * value)), (row, one)
+            compared += 1
+    assert compared >= 8
+
+
 def open_alert(plant: Database, language: Language) -> dict[str, Any]:
     """Return the one open alert as the API tells it."""
     answer = Api(plant).ask("GET", "/api/v1/alerts?open=true", headers={"accept-language": language.code})
@@ -133,9 +167,9 @@ def words_of(alert: dict[str, Any]) -> list[str]:
     return [said["what"], *(one["words"] for one in said["how_far"]), said["how_sure"]["words"], said["how_urgent"]["words"]]
 
 
-def report_of(plant: Database, texts: SiteTexts) -> str:
+def report_of(plant: Database, texts: SiteTexts, units: ShownUnits = USUAL_UNITS) -> str:
     """Return the report's pages as text."""
     with plant.reading() as session:
         period = asked_period(0, None, moment=now())
-        contents = read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE)
+        contents = read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE, units=units)
     return html.unescape(report_html(contents))

@@ -16,7 +16,7 @@ from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import timeline
 from storage.tables.alerting import AlertRow
-from tests.api_in_process import Api, refused
+from tests.api_in_process import PREFIX, Api, refused
 from tests.plant import KEY, SECOND, START, wait_until
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, WEEK, Weeks
 
@@ -63,6 +63,20 @@ def test_a_report_is_in_the_language_that_is_asked_for(stiffer: Api) -> None:
         assert ("Zu tun im Betrieb" in pages(answer.content)[0]) == german
         assert ("To do in operation" in pages(answer.content)[0]) != german
     assert [one["field"] for one in stiffer.get(PATH, **YEAR, locale="fr").json()["errors"]] == ["query.locale"]
+
+
+def test_a_report_is_in_the_units_that_are_asked_for(stiffer: Api) -> None:
+    """By `units`, else by the language tag's, else the site's; each is kept by itself."""
+    asked = {"um": stiffer.get(PATH, **YEAR), "mil": stiffer.get(PATH, **YEAR, units="mil_p,hz")}
+    asked["tag"] = stiffer.ask("GET", PREFIX + PATH, params=YEAR, headers={"Accept-Language": "en-u-ms-ussystem"})
+    stiffer.app.state.report_units = "um_p,hz"
+    asked["site"] = stiffer.get(PATH, **YEAR)
+    told = {name: " ".join(pages(one.content)) for name, one in asked.items()}
+    units = {"um": ("µm pp", "r/min"), "mil": ("mil 0-pk", "Hz"), "tag": ("mil pp", "r/min"), "site": ("µm 0-pk", "Hz")}
+    for name, (amplitude, speed) in units.items():
+        assert f"1× [{amplitude}]" in told[name]
+        assert re.search(rf"1× at [\d.]+ {speed} by the fit", told[name])
+    assert [one["field"] for one in stiffer.get(PATH, **YEAR, units="inch,rpm").json()["errors"]] == ["query.units"]
 
 
 def test_a_report_is_kept_until_something_changes_that_it_tells(stiffer: Api, plant: Database) -> None:
