@@ -35,19 +35,20 @@ def pair_figures(kind: CouplingKind, machines: int) -> Iterator[ReportLine]:
         seeds = [PAIR_SEEDS * (number + 1) + 2 * place + of for place in range(machines)]
         histories = [FilmHistory(seed, kind, pair[0], onset, pair[1]) for seed in seeds]
         found = [(one, record_of(one, weeks=onset + SOON)) for one in histories]
-        right = sum(_both_named(*one) for one in found)
+        right = sum(both_named(*one) for one in found)
         yield ReportLine(f"    {' and '.join(pair)}, {train}", f"{machines} of {machines}", f"{right}", right == machines)
-        others = sorted({f"{rule} {element}" for one in found for rule, element in _otherwise(*one)})
+        others = sorted({f"{rule} {element}" for one in found for rule, element in called_otherwise(*one)})
         yield ReportLine("        called otherwise", "nothing", ", ".join(others) or "nothing", not others)
 
 
-def _both_named(history: FilmHistory, record: FleetRecord) -> bool:
+def both_named(history: FilmHistory, record: FleetRecord) -> bool:
+    """Return whether each cause that has a name stood as an alert in some week since both happened."""
     standing = {(rule, element) for week in record.standing[record.onset :] for rule, element, _ in week}
     wanted = {history.named_of(cause) for cause in history.causes} - {None}
     return wanted <= standing
 
 
-def _otherwise(history: FilmHistory, record: FleetRecord) -> Iterator[tuple[str, str]]:
+def called_otherwise(history: FilmHistory, record: FleetRecord) -> Iterator[tuple[str, str]]:
     """Yield alerts of what has not happened."""
     expected = {history.named_of(cause) for cause in history.causes}
     following = (*FOLLOWING, "oil") if "oil" in history.causes else FOLLOWING  # colder oil is called oil, or nothing
