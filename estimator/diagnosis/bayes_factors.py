@@ -221,7 +221,9 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
 
 
 def _required_evidence(one: Hypothesis, evidence: float) -> float:
-    """Return the evidence that a further cause needs beside one with so much."""
+    """Return the evidence that a further cause needs beside one with so much, apart from what any needs."""
+    if one.fitted:
+        return 0.0
     return min(FURTHER_CAUSE_PART * evidence, LARGEST_FURTHER_EVIDENCE if one.linear else math.inf)
 
 

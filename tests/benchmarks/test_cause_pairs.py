@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.alignment.cause_pairs import both_named, called_otherwise
-from benchmarks.alignment.film_fleet import FleetRecord, OpenedAlert, record_name
+from benchmarks.alignment.film_fleet import FleetRecord, OpenedAlert, record_name, record_of
 from benchmarks.alignment.film_histories import FilmHistory
 from tests.film_plant.misalignment import true_alignment
 
@@ -58,3 +58,12 @@ def test_both_must_be_named_and_what_a_misalignment_brings_is_no_other_name() ->
     oil = OpenedAlert(ONSET + 1, "oil", "machine", "alert", None)
     assert list(called_otherwise(HISTORY, record(opened=(oil,)))) == [("oil", "machine")]
     assert list(called_otherwise(replace(HISTORY, beside="oil"), record(opened=(oil,)))) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 11])
+def test_a_misaligned_turbine_generator_is_named_beside_a_softer_pedestal(seed: int) -> None:
+    history = FilmHistory(seed, "flexible", "beyond", ONSET, "pedestal")
+    found = record_of(history, weeks=ONSET + 3)
+    assert both_named(history, found)
+    assert list(called_otherwise(history, found)) == []
