@@ -19,11 +19,11 @@ def decimals(half: float) -> int:
 
 
 def signed_with_half(value: float, half: float) -> tuple[str, str]:
-    """Write a change with its sign, and the half width of its interval, both to the same decimal.
+    """Return a change with its sign, and the half width of its interval, both to the same decimal.
 
     Args:
         value: The change [unit in which it is told].
-        half: Half width of its interval [the same unit].
+        half: Half width of its interval [unit in which it is told].
 
     Returns:
         The change, of which one that is rounded to zero has a plus, and the half width.

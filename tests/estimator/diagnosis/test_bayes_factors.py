@@ -52,7 +52,7 @@ def test_a_large_unbalance_hides_no_misalignment() -> None:
 
 @pytest.mark.parametrize(("fitted", "kinds"), [(True, ["pedestal", "misalignment"]), (False, ["pedestal"])])
 def test_a_softer_pedestal_hides_no_misalignment(*, fitted: bool, kinds: list[str]) -> None:
-    """What it moves are unknowns of every fit: of it nothing is left that would look like another cause."""
+    """Each fit has what it moves as unknowns: of it nothing is left that would look like another cause."""
     named_first = Hypothesis("pedestal", "pedestal.P1", (np.array([[5.0], [0.0]]),), np.zeros((0, 2)), fitted=fitted)
     beside = Hypothesis("misalignment", "coupling.C1", (np.array([[0.0], [5.0]]),), np.zeros((0, 2)))
     nothing, names = np.zeros((2, 0)), ("pedestal.P1.kxx", "bearing.B1.elevation_y")
