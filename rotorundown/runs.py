@@ -24,10 +24,10 @@ from estimator.units import (
 )
 from formats.files.document_files import UnreadableFile
 from formats.recordings.sidecar_place import is_plain_table, sidecar_of
-from formats.wire import Rejected
+from formats.wire import Rejected, as_sent
 from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.optional_packages import optional_package
-from rotorundown.run_columns import WrongRun
+from rotorundown.run_columns import GAP_END, WrongRun
 from rotorundown.run_tables import RunTable, TableUnits, read_csv_table
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
@@ -48,6 +48,8 @@ class MachineRun(Struct, frozen=True, eq=False):
         left_out: What was left out when it was read, with the reason of each, and channels whose phases are doubted.
         units: Units in which it was read.
         truth: True parameters of a simulated run by name [SI]; None for a measured one.
+        gap_um: Mean gaps (S, m) as `gap_grows` of the document says that they grow [µm], NaN where there are none; None
+            without any.
     """
 
     name: str
@@ -57,6 +59,7 @@ class MachineRun(Struct, frozen=True, eq=False):
     left_out: tuple[str, ...] = ()
     units: str = "as its sidecar says"
     truth: Mapping[str, float] | None = None
+    gap_um: Floats | None = None
 
     def __len__(self) -> int:
         return int(self.recorded.speed.size)
@@ -84,7 +87,7 @@ class MachineRun(Struct, frozen=True, eq=False):
         return float(self.recorded.time[1] - self.recorded.time[0])
 
     def to_frame(self) -> Any:
-        """Return a pandas DataFrame: speed [r/min], then amplitude [µm pp] and phase lag [°] of each channel.
+        """Return a pandas DataFrame: speed [r/min], then amplitude [µm pp] and phase lag [°] of each channel, then gaps [µm].
 
         Raises PackageMissing without pandas.
         """
@@ -92,6 +95,9 @@ class MachineRun(Struct, frozen=True, eq=False):
         for number, channel in enumerate(self.channels):
             columns[f"{channel}_um_pp"] = self.amplitude_um_pp[:, number]
             columns[f"{channel}_lag_deg"] = self.phase_lag_deg[:, number]
+        for number, channel in enumerate(self.channels):
+            if self.gap_um is not None and np.isfinite(self.gap_um[:, number]).any():
+                columns[f"{channel}{GAP_END}"] = self.gap_um[:, number]
         return optional_package("pandas", needed_for="data frames").DataFrame(columns)
 
     def __str__(self) -> str:
@@ -168,7 +174,13 @@ def read_run(
     except (UnreadableFile, Rejected) as error:
         raise WrongRun(str(error)) from None
     recorded, measurement = runs[0]
-    return MachineRun(path.name, machine.channels, recorded, measurement, tuple(left_out))
+    gap = sent_gaps(measurement, machine)
+    return MachineRun(path.name, machine.channels, recorded, measurement, tuple(left_out), gap_um=gap)
+
+
+def sent_gaps(measurement: Measurement, machine: Machine) -> Floats | None:
+    """Return the gaps (S, m) of a measurement as the document says that they grow [µm]; None where it has none."""
+    return None if measurement.gaps is None else as_sent(measurement.gaps.place, machine)
 
 
 def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnits) -> MachineRun:
@@ -179,4 +191,6 @@ def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnit
     recorded = samples.recorded(machine.channels)
     if table.time is None:
         recorded = replace(recorded, time=None)
-    return MachineRun(name, machine.channels, recorded, samples.measurement(), left_out, f"as {units.words}")
+    measurement = samples.measurement()
+    gap = sent_gaps(measurement, machine)
+    return MachineRun(name, machine.channels, recorded, measurement, left_out, f"as {units.words}", gap_um=gap)

@@ -22,7 +22,7 @@ from estimator.simulation.simulated_plant import draw_truth, measured_phasors, s
 from estimator.simulation.stories import Story
 from estimator.units import KILOGRAM_METRES
 from rotorundown.machine_files import checked_machine
-from rotorundown.runs import MachineRun
+from rotorundown.runs import MachineRun, sent_gaps
 
 DURATION_S = 600.0
 FEWEST_SAMPLES = 2
@@ -81,7 +81,13 @@ def simulate(
     if place is not None:
         measurement = structs.replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
     return MachineRun(
-        f"simulated {story}", machine.channels, recorded, measurement, units="as simulated, in SI", truth=of_run.parameters
+        f"simulated {story}",
+        machine.channels,
+        recorded,
+        measurement,
+        units="as simulated, in SI",
+        truth=of_run.parameters,
+        gap_um=sent_gaps(measurement, machine),
     )
 
 

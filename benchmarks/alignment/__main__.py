@@ -7,11 +7,13 @@ status 1 where one falls short. Coverage is judged from 20 plants on. `--short` 
 minute. Run-outs of couplings are tried on two machines of each kind.
 
 `--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
-the service's own assessment. With `--keep FILE` what was computed by this code is not computed again, and with `--kept`
-besides nothing is computed: the figures are those of the plants, or of the fleet's machines, that the file keeps.
+the service's own assessment; `--pairs N` lets two things happen at once to N machines of each train. With `--keep FILE` what
+was computed by this code is not computed again, and with `--kept` besides nothing is computed: the figures are those of the
+plants, or of the fleet's machines, that the file keeps.
 
     python -m benchmarks.alignment [--short] [--plants N] [--keep FILE [--kept]] [--only flexible|rigid …]
     python -m benchmarks.alignment --fleet N [--weeks W] [--keep FILE [--kept]] [--only …]
+    python -m benchmarks.alignment --pairs N [--keep FILE] [--only …]
 """
 
 import argparse
@@ -22,6 +24,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from benchmarks.alignment.alignment_figures import figures
+from benchmarks.alignment.cause_pairs import pair_figures
 from benchmarks.alignment.fleet_figures import fleet_figures, run_out_figures
 from benchmarks.kept_outcomes import KEEPING, KeptOutcomes
 from tests.film_plant.motor_compressor import CouplingKind
@@ -38,6 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--short", action="store_true", help="one plant with each kind of coupling")
     parser.add_argument("--plants", type=int, default=40, help="number of plants with each kind of coupling, seeds 0, 1, …")
     parser.add_argument("--fleet", type=int, help="number of machines with each kind of coupling, for each thing that happens")
+    parser.add_argument("--pairs", type=int, help="number of machines of each train, for each pair of causes")
     parser.add_argument("--weeks", type=int, default=26, help="weeks that they live, the baseline's six included")
     parser.add_argument("--keep", type=Path, help="file that keeps outcomes, from which a run of this code goes on")
     parser.add_argument("--kept", action="store_true", help="tell only of what the file keeps")
@@ -50,11 +54,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with threadpool_limits(limits=1):
         for kind in chosen.only or KINDS:
             told = (
-                figures(kind, SHORT_PLANTS if chosen.short else chosen.plants, kept_only=chosen.kept)
+                pair_figures(kind, chosen.pairs)
+                if chosen.pairs is not None
+                else figures(kind, SHORT_PLANTS if chosen.short else chosen.plants, kept_only=chosen.kept)
                 if chosen.fleet is None
                 else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, kept_only=chosen.kept)
             )
-            run_outs = chosen.fleet is None and not chosen.kept
+            run_outs = chosen.fleet is None and chosen.pairs is None and not chosen.kept
             for figure in itertools.chain(told, run_out_figures(kind, RUN_OUT_PLANTS)) if run_outs else told:
                 print(figure, flush=True)
                 kept &= figure.kept

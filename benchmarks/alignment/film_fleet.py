@@ -92,7 +92,8 @@ def record_of(history: FilmHistory, *, weeks: int) -> FleetRecord:
 
 def record_name(history: FilmHistory, *, weeks: int) -> str:
     """Return the name under which it is kept what became of a machine."""
-    return f"fleet, {history.kind}, {history.happening}, {history.seed}, {weeks} weeks, from {history.onset}"
+    happens = history.happening if history.beside == "healthy" else f"{history.happening} and {history.beside}"
+    return f"fleet, {history.kind}, {happens}, {history.seed}, {weeks} weeks, from {history.onset}"
 
 
 class _Life:

@@ -25,7 +25,7 @@ from tests.film_plant.plant import Plant
 from tests.film_plant.plants import reference_plant
 from tests.film_plant.train import ConstantOil, Train
 
-Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face", "pedestal"]
+Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face", "pedestal", "oil"]
 HAPPENINGS: tuple[Happening, ...] = (
     "healthy",
     "step",
@@ -40,7 +40,7 @@ HAPPENINGS: tuple[Happening, ...] = (
 )
 """Events of a history: nothing; the second shaft sinks by the step that is asked, by twice and by half of what is allowed; a
 clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %; the coupling's bore or face runs out by `RUN_OUTS`; of a
-machine on pedestals the stiffness of one falls by 20 %."""
+machine on pedestals the stiffness of one falls by 20 %. Beside another, the oil gets 10 K colder at once, too."""
 PEDESTAL_SPREAD = 0.2
 """Spread of pedestals' numbers that documents state, and by which they are off [-]."""
 RUN_OUTS: dict[Happening, dict[CouplingKind, tuple[float, float]]] = {
@@ -69,12 +69,19 @@ class FilmHistory:
         kind: Kind of its coupling.
         happening: What happens to it.
         onset: Week from which on it has happened.
+        beside: What happens to it in the same week, besides.
     """
 
     seed: int
     kind: CouplingKind
     happening: Happening
     onset: int
+    beside: Happening = "healthy"
+
+    @property
+    def causes(self) -> tuple[Happening, Happening]:
+        """Return both things that happen."""
+        return self.happening, self.beside
 
     @property
     def baseline(self) -> int:
@@ -94,7 +101,7 @@ class FilmHistory:
             self.kind,
             priors=ONE_SUPPLY,
             discrepancy=DiscrepancySize(),
-            pedestals=self.happening == "pedestal",
+            pedestals="pedestal" in self.causes,
         )
         left = 0.5 * self.allowed_by(found).offset if self.seed % 3 == 0 else 0.0
         return replace(found, train=moved(found.train, offset=np.array([0.0, left]), angle=np.zeros(2)))
@@ -108,7 +115,7 @@ class FilmHistory:
     def document(self) -> dict[str, Any]:
         """Return the plant's document, with the oil's temperature where it is sent."""
         said = film_document(self.plant, priors=BELIEVED)
-        if self.happening == "pedestal":
+        if "pedestal" in self.causes:
             said = with_pedestals(said, self.plant, spread=PEDESTAL_SPREAD, seed=self.seed)
         if self.sent:
             said["conditions"] = [{"name": "oil", "unit": "degC"}]
@@ -137,13 +144,14 @@ class FilmHistory:
     def warmer(self, week: int) -> float:
         """Return by how much the oil is warmer in a week than over the year [K]."""
         phase = np.random.default_rng([self.seed, 1]).uniform(0.0, 2.0 * math.pi)
-        return SEASON_K * math.sin(2.0 * math.pi * week / WEEKS_A_YEAR + phase)
+        of_season = SEASON_K * math.sin(2.0 * math.pi * week / WEEKS_A_YEAR + phase)
+        return of_season - (SEASON_K if week >= self.onset and "oil" in self.causes else 0.0)
 
     def offset(self, week: int) -> float:
         """Return by how much the coupling's vertical offset differs in a week from the beginning [m]."""
         sign = 1.0 if self.seed % 4 < 2 else -1.0
         grown = sign * GROWTH * self.warmer(week)
-        return grown - (self._sunk if week >= self.onset else 0.0)
+        return grown - (sum(map(self._sunk, self.causes)) if week >= self.onset else 0.0)
 
     def conditions(self, week: int) -> dict[str, float | None]:
         """Return the operating conditions that are sent in a week."""
@@ -154,47 +162,60 @@ class FilmHistory:
         thicker = walther(GRADE, self.mean_oil + self.warmer(week)) / walther(GRADE, self.mean_oil)
         train = moved(self.plant.train, offset=np.array([0.0, self.offset(week)]), angle=np.zeros(2))
         train = _thickened(train, thicker)
-        if week >= self.onset and self.happening == "wear":
-            train = _worn(train, self.number, 1.15)
-        if week >= self.onset and self.happening == "pedestal":
-            train = _softened(train, self.number, 0.8)
-        if week >= self.onset and self.happening == "unbalance":
-            train = _unbalanced(train, self.number, 1.5)
-        if week >= self.onset and self.happening in RUN_OUTS:
-            turned = np.exp(1j * np.random.default_rng([self.seed, 4]).uniform(0.0, 2.0 * math.pi))
-            train = _running_out(train, *(complex(turned * one) for one in RUN_OUTS[self.happening][self.kind]))
+        for cause in self.causes if week >= self.onset else ():
+            train = self._changed(train, cause)
         return replace(self.plant, train=train)
 
     @property
     def number(self) -> int:
         """Return the place of the bearing, disc or probe that something happens to."""
-        bearings = len(self.plant.train.bearings)
-        many = {"wear": bearings, "pedestal": bearings, "unbalance": len(self.plant.train.discs)}
-        return self.seed % many.get(self.happening, len(self.machine.probes))
+        return self._number_of(self.happening)
 
     @property
     def named(self) -> tuple[str, str] | None:
         """Return rule and element of the alert that what happens should raise; None for none."""
+        return self.named_of(self.happening)
+
+    def named_of(self, happening: Happening) -> tuple[str, str] | None:
+        """Return rule and element of the alert that something should raise; None for none."""
+        number = self._number_of(happening)
         rules: dict[Happening, tuple[str, str]] = {
             "step": ("misalignment", "coupling.C1"),
             "beyond": ("misalignment", "coupling.C1"),
-            "wear": ("wear", f"bearing.B{self.number + 1}"),
-            "pedestal": ("pedestal", f"pedestal.P{self.number + 1}"),
-            "unbalance": ("unbalance", f"disc.D{self.number + 1}"),
-            "gain": ("sensor", f"probe.{self.machine.probes[self.number].id}"),
+            "wear": ("wear", f"bearing.B{number + 1}"),
+            "pedestal": ("pedestal", f"pedestal.P{number + 1}"),
+            "unbalance": ("unbalance", f"disc.D{number + 1}"),
+            "gain": ("sensor", f"probe.{self.machine.probes[number % len(self.machine.probes)].id}"),
             "bore": ("rotating_coupling", "coupling.C1"),
             "face": ("rotating_coupling", "coupling.C1"),
         }
-        return rules.get(self.happening)
+        return rules.get(happening)
 
-    @property
-    def _sunk(self) -> float:
+    def _number_of(self, happening: Happening) -> int:
+        bearings = len(self.plant.train.bearings)
+        many = {"wear": bearings, "pedestal": bearings, "unbalance": len(self.plant.train.discs)}
+        return self.seed % many.get(happening, len(self.machine.probes))
+
+    def _changed(self, train: Train, cause: Happening) -> Train:
+        number = self._number_of(cause)
+        if cause == "wear":
+            return _worn(train, number, 1.15)
+        if cause == "pedestal":
+            return _softened(train, number, 0.8)
+        if cause == "unbalance":
+            return _unbalanced(train, number, 1.5)
+        if cause in RUN_OUTS:
+            turned = np.exp(1j * np.random.default_rng([self.seed, 4]).uniform(0.0, 2.0 * math.pi))
+            return _running_out(train, *(complex(turned * one) for one in RUN_OUTS[cause][self.kind]))
+        return train
+
+    def _sunk(self, cause: Happening) -> float:
         sizes: dict[Happening, float] = {
             "step": STEPS[self.kind],
             "beyond": 2.0 * self.allowed.offset,
             "within": 0.5 * self.allowed.offset,
         }
-        return sizes.get(self.happening, 0.0)
+        return sizes.get(cause, 0.0)
 
 
 def _thickened(train: Train, factor: float) -> Train:

@@ -7,7 +7,7 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
-from estimator.fit.decimals import decimals
+from estimator.fit.decimals import signed_with_half
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification
 from estimator.fit.validation.omitted_forces import largest_score
@@ -61,8 +61,8 @@ class AlignmentComparison:
             yield f"  {one.name:<{width}}  {f'not determined: {one.reason}' if one.value is None else _change(one)}"
         for load in self.loads:
             part = "" if load.part is None else f", {100.0 * load.part:+.0f} %"
-            half = load.half
-            yield f"  {load.name:<{width}}  {_signed(load.value, half)} N of {load.before:.4g} N{part}"
+            told = " ± ".join(signed_with_half(load.value, load.half))
+            yield f"  {load.name:<{width}}  {told} N of {load.before:.4g} N{part}"
 
 
 def compared_identifications(
@@ -118,7 +118,7 @@ def _words(name: str) -> str:
 
 def _change(one: ToleratedChange) -> str:
     unit = f"µ{one.unit}"
-    told = _signed(MICRO * (one.value or 0.0), MICRO * one.half)
+    told = " ± ".join(signed_with_half(MICRO * (one.value or 0.0), MICRO * one.half))
     return f"{told} {unit} ({MICRO * one.allowed:.0f} {unit} allowed, chance of more {_chance(one.beyond)})"
 
 
@@ -126,8 +126,3 @@ def _chance(value: float) -> str:
     """Return a chance in per cent: none is certain, and none impossible."""
     part = 100.0 * value
     return f"{part:.0f} %" if 1.0 <= part <= 99.0 else "under 1 %" if part < 1.0 else "over 99 %"
-
-
-def _signed(value: float, half: float) -> str:
-    digits = decimals(half)
-    return f"{round(value, digits) + 0.0:+.{digits}f} ± {half:.{digits}f}"

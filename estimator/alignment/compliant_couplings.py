@@ -43,15 +43,27 @@ class CompliantCouplings:
         Returns:
             The likelihood of coordinates that are those of before near the usual stiffnesses.
         """
+        at, slope = self.carried(found)
+        left = one.vector - one.information @ found
+        information = one.information * np.outer(slope, slope)
+        return RunLikelihood(information, information @ at + slope * left)
+
+    def carried(self, found: Floats) -> tuple[Floats, Floats]:
+        """Return coordinates with compliances in place of stiffnesses that lie far off, and by how much they change.
+
+        Args:
+            found: Coordinates (n,) that a run's fit has found, less what the usual ones are counted from [-].
+
+        Returns:
+            The same (n,) counted by compliances, and the change (n,) of each of before per unit of it [-].
+        """
         places = list(self.places)
         away = np.clip((found[places] - self.usual) * self.unit, -FARTHEST, FARTHEST)
         beyond = away - np.clip(away, -NEAR, NEAR)
         at, slope = found.copy(), np.ones(len(found))
         at[places] = self.usual + (np.clip(away, -NEAR, NEAR) + 1.0 - np.exp(-beyond)) / self.unit
         slope[places] = np.exp(beyond)
-        left = one.vector - one.information @ found
-        information = one.information * np.outer(slope, slope)
-        return RunLikelihood(information, information @ at + slope * left)
+        return at, slope
 
 
 def compliant_couplings(names: tuple[str, ...], unit: Floats, found: Floats) -> CompliantCouplings:

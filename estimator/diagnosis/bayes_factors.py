@@ -9,7 +9,7 @@ both named.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -79,6 +79,7 @@ class Reference:
         hypotheses: Everything that can have happened.
         together: Run-to-run variations (N, t) in which quantities go together, besides each by itself [-].
         slow: Slow variations and errors of the mean (N, s) that a run by itself is allowed [-].
+        carried: Function that returns a run's observation in the coordinates in which it is linear; None where it is.
     """
 
     names: tuple[str, ...]
@@ -89,6 +90,7 @@ class Reference:
     hypotheses: tuple[Hypothesis, ...]
     together: Floats
     slow: Floats
+    carried: Callable[[Observation], Observation] | None = None
     _likelihoods: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
     def unit_of(self, names: Sequence[str]) -> Floats:
@@ -112,7 +114,8 @@ class Reference:
             Precision (N, N) [-] and pull (N,) away from the mean [-].
         """
         if one not in self._likelihoods:
-            seen, drawn = through_variation(one, self.origin, self.unit, self.together)
+            linear = one if self.carried is None else self.carried(one)
+            seen, drawn = through_variation(linear, self.origin, self.unit, self.together)
             self._likelihoods[one] = seen, drawn - seen @ self.centre
         return self._likelihoods[one]
 
@@ -222,7 +225,9 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
 
 
 def _required_evidence(one: Hypothesis, evidence: float) -> float:
-    """Return the evidence that a further cause needs beside one with so much."""
+    """Return the evidence that a further cause needs beside one with so much, apart from what any needs."""
+    if one.fitted:
+        return 0.0
     return min(FURTHER_CAUSE_PART * evidence, LARGEST_FURTHER_EVIDENCE if one.linear else math.inf)
 
 

@@ -7,10 +7,11 @@ temperature, where that is measured.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
+from estimator.alignment.compliant_couplings import CompliantCouplings, compliant_couplings
 from estimator.alignment.film_loads import film_loads
 from estimator.alignment.healthy_films import coordinate_scales
 from estimator.alignment.run_likelihood import contained_prior
@@ -18,7 +19,7 @@ from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
 from estimator.diagnosis.healthy_variation import SCALE_FACTOR, channel_variation, slow_variation, typical_amplitude
 from estimator.diagnosis.hypotheses import hypotheses
-from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation, names_in_common
+from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation, inverse, names_in_common
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
@@ -30,6 +31,9 @@ from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 
 STILL = 1e-3
 """Run-to-run standard deviation of a quantity that does not vary, such as a clearance, relative to its prior's [-]."""
+OPEN = 0.5
+"""Standard error of the logarithm of a coupling's stiffness from which on runs leave it open [-]: then each says how much the
+coupling gives way, as of a rigid one, and no more."""
 LEAST = 1e-9
 """Least run-to-run standard deviation of anything, such as an unbalance of zero [kg m]."""
 
@@ -117,6 +121,8 @@ def film_reference(machine: Machine, baseline: Sequence[Observation], variation:
         ValueError: There are no observations, or they are of different quantities.
     """
     names = names_in_common(baseline)
+    carried = partial(_by_compliance, _open_couplings(baseline))
+    baseline = [carried(one) for one in baseline]
     origin = np.median([one.reference for one in baseline], axis=0)
     coordinates = _coordinates(machine)
     known = np.array([names.index(name) for name in coordinates.names])
@@ -134,7 +140,29 @@ def film_reference(machine: Machine, baseline: Sequence[Observation], variation:
     found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
     doubt = error + season
     doubt = (doubt + doubt.T) / 2
-    return Reference(names, origin, unit, centre, doubt, found, oil, _columns(doubt))
+    return Reference(names, origin, unit, centre, doubt, found, oil, _columns(doubt), carried)
+
+
+def _open_couplings(baseline: Sequence[Observation]) -> CompliantCouplings:
+    """Return the couplings whose stiffness the runs of a baseline usually leave open by a large factor."""
+    names = baseline[0].names
+    found = compliant_couplings(names, np.ones(len(names)), np.array([one.reference for one in baseline]))
+    precision = np.median([np.diag(inverse(one.fitted)) for one in baseline], axis=0)
+    kept = np.array([precision[place] > OPEN**2 for place in found.places], dtype=bool)
+    places = tuple(place for place, one in zip(found.places, kept, strict=True) if one)
+    return CompliantCouplings(places, found.unit[kept], found.usual[kept])
+
+
+def _by_compliance(couplings: CompliantCouplings, one: Observation) -> Observation:
+    """Return an observation with compliances in place of stiffnesses that lie far off (change of variables)."""
+    at, slope = couplings.carried(one.reference)
+    return replace(
+        one,
+        reference=at,
+        gradient=slope * one.gradient,
+        information=one.information * np.outer(slope, slope),
+        believed=None if one.believed is None else one.believed * slope**2,
+    )
 
 
 def _mean(

@@ -160,6 +160,8 @@ class FindingKind:
         size: Function that returns the size of a cause; needed beside `changes`.
         form: Function that returns the form of a cause, as far as the data tell.
         linear: Whether it enters the response linearly, so that it explains its effect exactly.
+        fitted: Whether each of the coefficients that it moves is an unknown of every fit by itself, so that nothing of it is
+            left over for another cause.
         left_out: Whether it moves an error that fits leave out unless the document asks for it.
         moves: Coordinates of a train on oil films that it moves: a change of alignment must not hold them at the baseline's.
 
@@ -176,6 +178,7 @@ class FindingKind:
     size: Callable[[Cause, BaselineValues], ChangeSize] | None = None
     form: Callable[[Cause], str | None] | None = None
     linear: bool = False
+    fitted: bool = False
     left_out: bool = False
     moves: MovedCoordinates | None = None
 

@@ -286,7 +286,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     ),
     FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size, moves=COEFFICIENTS),
     FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size, moves=COEFFICIENTS),
-    FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size, moves=COEFFICIENTS),
+    FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size, fitted=True, moves=COEFFICIENTS),
     FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size),
     FindingKind("wear", ("bearing",), "machine", changes=wears, size=wear_size, moves=MovedCoordinates(("clearance",))),
     FindingKind(

@@ -25,6 +25,7 @@ class Hypothesis:
         rising: Functionals (q, N) of the change that must be positive [-].
         elements: Names of all elements whose coefficients it moves.
         linear: Whether it enters the response linearly.
+        fitted: Whether each of the coefficients that it moves is an unknown of every fit by itself.
     """
 
     kind: str
@@ -33,6 +34,7 @@ class Hypothesis:
     rising: Floats
     elements: frozenset[str] = frozenset()
     linear: bool = False
+    fitted: bool = False
 
 
 def hypotheses(
@@ -59,4 +61,4 @@ def hypotheses(
 def _hypothesis(kind: FindingKind, change: ExpectedChange, count: int) -> Hypothesis:
     kind.require_element(change.element)
     rising = np.zeros((0, count)) if change.rising is None else change.rising
-    return Hypothesis(kind.kind, change.element, change.variants, rising, change.moves, kind.linear)
+    return Hypothesis(kind.kind, change.element, change.variants, rising, change.moves, kind.linear, kind.fitted)

@@ -9,12 +9,14 @@ from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from service.reports.contents import ReportContents, ReportedFit
 from service.reports.page_parts import muted, table
-from service.wording.film_words import shown
+from service.wording.film_words import signed_change
 from service.wording.finding_words import rounded
 from service.wording.language import Language
 from service.wording.stored_sentences import in_language
 
 MICRO = 1e6
+LEAST_CHANCE, MOST_CHANCE = 1, 99
+"""Chances that are told as a number [%]: none is certain, and none impossible."""
 ALIGNMENT_COLUMNS = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
 LOAD_COLUMNS = ("bearing", "quantity", "load_before", "change", "half_width", "load_part")
 
@@ -35,8 +37,8 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
     if change is None:
         return ""
     changes = tolerated_changes(fit.one.machine, changed_alignment(change))
-    alignment = [_aligned(one, language) for one in changes]
-    loads = [_loaded(one, language) for one in changed_loads(change)]
+    alignment = [alignment_row(one, language) for one in changes]
+    loads = [load_row(one, language) for one in changed_loads(change)]
     return "".join(
         table([language.translate(f"report.{one}") for one in columns], rows)
         for columns, rows in ((ALIGNMENT_COLUMNS, alignment), (LOAD_COLUMNS, loads))
@@ -44,7 +46,8 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
     )
 
 
-def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
+def alignment_row(one: ToleratedChange, language: Language) -> tuple[str, ...]:
+    """Return the cells of a change of an offset or an angle, in the order of `ALIGNMENT_COLUMNS`."""
     said = describe(one.name)
     unit = language.length_unit if one.unit == "m" else f"µ{one.unit}"
     scale = language.in_length_unit(MICRO) if one.unit == "m" else MICRO
@@ -53,19 +56,22 @@ def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     if one.value is None:
         missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
-    change, half = _signed(scale * one.value, scale * one.half, language)
-    return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
+    change, half = signed_change(scale * one.value, scale * one.half, language)
+    return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, _chance(one.beyond, language)
 
 
-def _loaded(one: LoadChange, language: Language) -> tuple[str, ...]:
+def load_row(one: LoadChange, language: Language) -> tuple[str, ...]:
+    """Return the cells of a change of a load, in the order of `LOAD_COLUMNS`."""
     said = describe(one.name)
-    change, half = _signed(one.value, one.half, language)
+    change, half = signed_change(one.value, one.half, language)
     part = "–" if one.part is None else language.digits(f"{100.0 * one.part:+.0f} %")
     before = f"{rounded(one.before, 3, language)} N"
     return said.element_id, language.named(said.quantity), before, f"{change} N", f"{half} N", part
 
 
-def _signed(value: float, half: float, language: Language) -> tuple[str, str]:
-    """Return a change with its sign, and the half width of its interval."""
-    change, _, width = shown(value, half, language).partition(" ± ")
-    return (f"+{change}" if value > 0.0 else change), width
+def _chance(value: float, language: Language) -> str:
+    """Return a chance in per cent: none is certain, and none impossible."""
+    part = 100.0 * value
+    if part > MOST_CHANCE:
+        return language.translate("report.chance_above", part=MOST_CHANCE)
+    return language.translate("report.chance_below", part=LEAST_CHANCE) if part < LEAST_CHANCE else f"{part:.0f} %"

@@ -268,6 +268,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.half_width": "95 % ±",
     "report.allowed": "allowed",
     "report.beyond": "chance of more",
+    "report.chance_above": "more than {part} %",
+    "report.chance_below": "less than {part} %",
     "report.not_determined": "not determined: {reason}",
     "report.field_balancing": "Field balancing",
     "report.begun_by": "begun by",

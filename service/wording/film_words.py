@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import scipy.special
 
-from estimator.fit.decimals import decimals
+from estimator.fit.decimals import decimals, signed_with_half
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
 from service.wording.language import ENGLISH, Language
@@ -67,6 +67,12 @@ def shown(value: float, half: float, language: Language = ENGLISH) -> str:
     """Return a value with the half width of its interval, both to the digit that the half width has two of."""
     digits = decimals(half)
     return language.digits(f"{value:.{digits}f} ± {half:.{digits}f}")
+
+
+def signed_change(value: float, half: float, language: Language = ENGLISH) -> tuple[str, str]:
+    """Return a change with its sign, and the half width of its interval, both to the same decimal."""
+    change, width = signed_with_half(value, half)
+    return language.digits(change), language.digits(width)
 
 
 def shown_length(value: float, half: float, language: Language = ENGLISH) -> str:

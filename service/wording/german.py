@@ -277,6 +277,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.half_width": "95 % ±",
     "report.allowed": "zulässig",
     "report.beyond": "Wahrscheinlichkeit für mehr",
+    "report.chance_above": "mehr als {part} %",
+    "report.chance_below": "weniger als {part} %",
     "report.not_determined": "nicht bestimmt: {reason}",
     "report.field_balancing": "Auswuchten im Betriebszustand",
     "report.begun_by": "begonnen durch",

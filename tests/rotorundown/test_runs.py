@@ -47,6 +47,11 @@ def test_gaps_of_a_data_frame_are_the_shafts_places(pump: Machine, run: rd.Machi
     np.testing.assert_allclose(read.measurement.gaps.place[:, 0], -1e-6 * gap)
     assert not np.isfinite(read.measurement.gaps.place[:, 1:]).any()
     assert read.left_out == (f"run, column '{second}_gap' left out: give gaps in µm, in a column '{second}_gap_um'",)
+    again = rd.read_run(read.to_frame(), machine=machine)
+    assert list(read.to_frame().columns).count(f"{first}_gap_um") == 1
+    assert f"{second}_gap_um" not in read.to_frame()
+    assert again.measurement.gaps is not None
+    np.testing.assert_array_equal(again.measurement.gaps.place, read.measurement.gaps.place)
     small = rd.read_run(table(run) | {f"{first.lower()}_gap_um": gap}, machine=machine)
     column = f"{first.lower()}_gap_um"
     assert small.left_out == (f"run, column '{column}' left out: give gaps in µm, in a column '{first}_gap_um'",)

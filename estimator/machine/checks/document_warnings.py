@@ -1,5 +1,6 @@
 """Warnings of a machine document: what is possible and taken, but probably a mistake."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ USUAL_SLENDERNESS = (0.2, 1.5)
 """Usual ratio of a journal bearing's length to its diameter: others are warned of [-]."""
 USUAL_JOURNAL = (0.8, 1.25)
 """Usual ratio of a journal's diameter to that of its shaft there: others are warned of [-]."""
+USUAL_OIL_C = (30.0, 110.0)
+"""Usual temperatures of oil in a film: hotter ones, of which many are meant in °F, are warned of [°C]."""
 USUAL_VISCOSITY = (0.002, 0.2)
 """Usual dynamic viscosity of the oil in a film: others are warned of [Pa s]."""
 LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
@@ -65,6 +68,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         *of_laws,
         *_odd_films(machine),
         *_far_elevations(machine),
+        *_far_targets(machine),
         *_soft_couplings(machine),
     )
 
@@ -95,6 +99,19 @@ def _far_elevations(machine: Machine) -> Iterator[DocumentWarning]:
                     f"bearings[{number}].film.{name}",
                     f"{_micrometres(elevation)} is more than the radial clearance, {_micrometres(clearance)}: "
                     "usual are some 10 µm; elevations are in m, over the place at which couplings carry nothing",
+                )
+
+
+def _far_targets(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield offsets aimed at beyond the clearances: cold that may be, as pedestals grow, but not once the machine is warm."""
+    widest = max((one.film.radial_clearance for one in machine.bearings if one.film is not None), default=math.inf)
+    for number, target in enumerate(machine.operation.alignment_targets):
+        for name, cold in target.left_cold.stated.items():
+            warm = cold + target.growth.stated.get(name, 0.0)
+            if name.startswith("offset") and abs(warm) > widest:
+                yield DocumentWarning(
+                    f"operation.alignment_targets[{number}].left_cold.{name}",
+                    f"{_micrometres(warm)} is more than the radial clearance, {_micrometres(widest)}: usual are some 10 µm",
                 )
 
 
@@ -136,6 +153,9 @@ def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> 
     viscosity = film.oil.viscosity
     if viscosity is not None and not USUAL_VISCOSITY[0] <= viscosity <= USUAL_VISCOSITY[1]:
         yield "oil.viscosity", f"{viscosity:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
+    for field, degrees in (("temperature_c", film.oil.temperature_c), ("inlet_c", film.oil.inlet_c)):
+        if degrees is not None and degrees > USUAL_OIL_C[1]:
+            yield f"oil.{field}", f"{degrees:g} °C: usual is {USUAL_OIL_C[0]:g} to {USUAL_OIL_C[1]:g}"
     if not any(USUAL_JOURNAL[0] <= film.diameter / one <= USUAL_JOURNAL[1] for one in shaft):
         thick = " or ".join(f"{one:g}" for one in shaft)
         words = f"{film.diameter:g} m, but shaft '{bearing.shaft}' is {thick} m thick at station {bearing.station:g} m"

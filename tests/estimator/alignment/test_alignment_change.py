@@ -49,7 +49,7 @@ def fitted(theta: Floats, seen: Floats, rng: np.random.Generator) -> UpdatedMode
     """The model that a run leads to which measures `seen` @ theta with errors of one."""
     prior, away = np.diag(COORDINATES.spread**-2), theta - COORDINATES.centre
     covariance = np.linalg.inv(seen.T @ seen + prior)
-    found = covariance @ seen.T @ (seen @ away + rng.standard_normal(ROWS))
+    found = covariance @ seen.T @ (seen @ away + rng.standard_normal(len(seen)))
     unit = COORDINATES.unit
     return replace(MODEL, values=COORDINATES.point(COORDINATES.centre + found), covariance=covariance * np.outer(unit, unit))
 
@@ -58,8 +58,14 @@ WORN = "bearing.B2"
 """Bearing that wears in some trials."""
 
 
-SEASONS = HealthyVariation(elevation=5e-6)
-"""Variation with seasons, whose oil is some 30 % thicker or thinner."""
+SEASONS = HealthyVariation(elevation=5e-6, slow_viscosity=0.1, slow_clearance=0.05)
+"""Variation with seasons, whose oil is some 30 % thicker or thinner; bearings differ more than is usual."""
+
+
+SEASONAL = np.array([describe(one).quantity.startswith(("elevation", "viscosity", "clearance")) for one in COORDINATES.names])
+FEW = 14
+"""Numbers that a run of another season measures, of elevations, viscosities and clearances alone: fewer than there are of
+these, so that what the season brings counts."""
 
 
 def drawn_season(rng: np.random.Generator, thicker: float) -> Floats:
@@ -92,7 +98,10 @@ def trial(seed: int, *, worn: float = 0.0, named: bool = False, thicker: float |
     for run in range(BASELINE + 1):
         own = drawn_variation(rng, COORDINATES)
         theta = machine + own + (moved + grown if run == BASELINE else 0.0)
-        fits.append(fitted(theta, 2.0 * rng.standard_normal((ROWS, scale.size)) / scale, rng))
+        seen = 2.0 * rng.standard_normal((ROWS, scale.size)) / scale
+        if run == BASELINE and thicker is not None:
+            seen = seen[:FEW] * SEASONAL
+        fits.append(fitted(theta, seen, rng))
     alone = alignment_results(fits[-1])
     told = alignment_changes(fits[:-1], fits[-1], variation=variation, causes=moving_causes([("wear", WORN)] if named else ()))
     true = [one.slope @ (COORDINATES.unit * (moved + own)) for one in alone]  # slopes of elevations only

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.diagnosis.bayes_factors import Deviation, diagnose, reference
+from estimator.diagnosis.bayes_factors import Deviation, Reference, diagnose, reference
+from estimator.diagnosis.hypotheses import Hypothesis
 from estimator.diagnosis.observation import Observation
 from tests.estimator.diagnosis import watched_machine as plant
 
@@ -47,6 +48,27 @@ def test_a_large_unbalance_hides_no_misalignment() -> None:
         runs = plant.after(plant.grown(beside, {0: times}))
         assert named(runs) == {("misalignment", "coupling.C1"), ("unbalance", "disc.core-1")}
         assert named(plant.after(plant.grown({}, {0: times}))) == {("unbalance", "disc.core-1")}
+
+
+@pytest.mark.parametrize(("fitted", "kinds"), [(True, ["pedestal", "misalignment"]), (False, ["pedestal"])])
+def test_a_softer_pedestal_hides_no_misalignment(*, fitted: bool, kinds: list[str]) -> None:
+    """Each fit has what it moves as unknowns: of it nothing is left that would look like another cause."""
+    named_first = Hypothesis("pedestal", "pedestal.P1", (np.array([[5.0], [0.0]]),), np.zeros((0, 2)), fitted=fitted)
+    beside = Hypothesis("misalignment", "coupling.C1", (np.array([[0.0], [5.0]]),), np.zeros((0, 2)))
+    nothing, names = np.zeros((2, 0)), ("pedestal.P1.kxx", "bearing.B1.elevation_y")
+    healthy = Reference(names, np.zeros(2), np.ones(2), np.zeros(2), 1e-6 * np.eye(2), (named_first, beside), nothing, nothing)
+    (seen,) = plant.healthy(1)
+    run = replace(
+        seen,
+        names=names,
+        coordinates=2,
+        reference=np.array([14.9, 3.63]),
+        gradient=np.zeros(2),
+        information=1e6 * np.eye(2),
+    )
+    found = diagnose(healthy, [run])
+    assert [one.kind for one in found.causes] == kinds
+    assert 4.0 < found.evidence["misalignment", "coupling.C1"] < 0.05 * found.evidence["pedestal", "pedestal.P1"]
 
 
 def test_what_a_cause_has_moved_and_by_how_much() -> None:

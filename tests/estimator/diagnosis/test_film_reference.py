@@ -10,7 +10,7 @@ import pytest
 from msgspec import structs
 
 from estimator.arrays import Floats
-from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.bayes_factors import Diagnosis, diagnose
 from estimator.diagnosis.data_faults import fits, is_uninformative
 from estimator.diagnosis.film_reference import film_observation, film_reference, is_of_films
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
@@ -197,3 +197,40 @@ def test_observations_of_other_quantities_make_no_baseline() -> None:
     one = says(fitted(machine(), np.random.default_rng(0)))
     with pytest.raises(ValueError, match="of different quantities"):
         film_reference(MODEL.machine, [one, replace(one, names=(*one.names[:-1], "other.X.kxx"))], VARIATION)
+
+
+STIFFNESSES = [f"coupling.C1.{term}" for term in ("kxx", "kyy", "k_phix", "k_phiy")]
+
+
+def hardly_seeing_the_coupling(one: Observation, *, softer: float = 0.0) -> Observation:
+    """A run that says little of the coupling's stiffness, which its fit found softer (logarithm): it counts by compliance."""
+    places = [one.names.index(name) for name in STIFFNESSES]
+    seen = np.ones(len(one.names))
+    seen[places] = 0.05
+    linear = replace(one, information=one.information * np.outer(seen, seen), gradient=seen * one.gradient)
+    # To compliances at another place, of which the logarithm is reckoned with: the change of variables the other way round.
+    slope, found = np.ones(len(one.names)), linear.reference.copy()
+    if softer:
+        away = 1.0 - softer  # a logarithm within one of the usual stays
+        found[places] -= softer
+        slope[places] = np.exp(-away)
+        at = linear.reference.copy()
+        at[places] += -np.exp(-away)
+        linear = replace(linear, gradient=linear.gradient + linear.information @ (linear.reference - at))
+    information = linear.information * np.outer(slope, slope)
+    return replace(linear, reference=found, gradient=slope * linear.gradient, information=information)
+
+
+def test_a_fit_that_finds_a_stiff_coupling_soft_says_what_others_say() -> None:
+    rng = np.random.default_rng(11)
+    runs = [hardly_seeing_the_coupling(says(fitted(drawn_run(machine(), VARIATION, rng), rng))) for _ in range(BASELINE)]
+    reference = film_reference(MODEL.machine, runs, VARIATION)
+    sunk = after({"bearing.B3.elevation_y": -80e-6, "bearing.B4.elevation_y": -80e-6})
+    usual, soft = (
+        diagnose(reference, [hardly_seeing_the_coupling(one, softer=softer) for one in sunk]) for softer in (0.0, 3.0)
+    )
+    assert [one.kind for one in soft.causes] == ["misalignment"]
+    assert soft.causes[0].evidence == pytest.approx(usual.causes[0].evidence, abs=0.5)
+    assert soft.causes[0].change == pytest.approx(usual.causes[0].change, abs=1e-6)
+    held = diagnose(replace(reference, carried=None), [hardly_seeing_the_coupling(one, softer=3.0) for one in sunk])
+    assert held.causes[0].evidence < usual.causes[0].evidence - 5.0

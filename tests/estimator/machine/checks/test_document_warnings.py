@@ -21,6 +21,24 @@ def test_an_elevation_beyond_the_clearance_is_named(axis: str) -> None:
     assert document_warnings(parse_machine(said)) == ()
 
 
+def test_an_offset_that_is_aimed_at_warm_beyond_the_clearance_is_named() -> None:
+    said = motor_compressor_document("flexible")
+    target = {"coupling": "C1", "left_cold": {"offset_vertical": -2e-3, "angle_vertical": 3e-4}}
+    said["operation"] = {"alignment_targets": [target]}
+    (warning,) = document_warnings(parse_machine(said))
+    assert warning.field == "operation.alignment_targets[0].left_cold.offset_vertical"
+    assert warning.words.startswith("-2000 µm is more than the radial clearance")
+    target["growth"] = {"offset_vertical": 1.98e-3}
+    assert document_warnings(parse_machine(said)) == ()
+
+
+def test_an_oil_hotter_than_films_stand_is_named() -> None:
+    said = motor_compressor_document("flexible")
+    said["bearings"][1]["film"]["oil"] = {"iso_vg": 46, "temperature_c": 122.0}
+    (warning,) = document_warnings(parse_machine(said))
+    assert str(warning) == "bearings[1].film.oil.temperature_c: 122 °C: usual is 30 to 110"
+
+
 @pytest.mark.parametrize(
     ("change", "field", "words"),
     [
