@@ -318,7 +318,7 @@ def _range(machine: Machine) -> tuple[float, float]:
 
 
 def _require_in_range(machine: Machine, speed: Iterable[float], what: str) -> None:
-    """Raise TrialsUnusable for speeds [rad/s] outside the document's range. what: words before them."""
+    """Check for speeds [rad/s] outside the document's range. what: words before them. Raises TrialsUnusable."""
     lowest, highest = _range(machine)
     outside = [rad_per_s_to_rpm(one) for one in speed if not lowest * (1 - ROUNDING) <= one <= highest * (1 + ROUNDING)]
     if outside:

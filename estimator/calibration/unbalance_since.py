@@ -20,7 +20,7 @@ from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
 
 PARTS = np.array([1.0, 1.0j])
-"""What makes a complex number of its real and imaginary part."""
+"""Factors (2,) that make a complex number of its real and imaginary part [-]."""
 
 
 class FittedPoint(Protocol):
@@ -98,7 +98,7 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
     there, here = [calibration.parameters.index(one) for one in shared], [found.coordinates.index(one) for one in shared]
     values, carry = _carried(machine, dict(zip(shared, found.point[here].tolist(), strict=True)))
     known = carry @ np.array(calibration.covariance) @ carry.T
-    moved = np.diag(calibration.moved_by_mounting)
+    moved = np.diag(calibration.moved_since)
     gain = _regression(known, moved, before, there)
     was = values[before] + gain @ (found.point[here] - values[there])
     uncertain = known[np.ix_(before, before)] - gain @ known[np.ix_(there, before)]
@@ -110,7 +110,7 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
 
 
 def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floats]:
-    """Carry a calibration to the factor on all gains that a later fit found, which the unbalances are divided by.
+    """Return a calibration carried to the factor on all gains that a later fit found, which the unbalances are divided by.
 
     Returns the values (n,) there and the derivative (n, n) of the way there; where a gain is held, there is no such factor.
     later: values that the later fit found, by name.

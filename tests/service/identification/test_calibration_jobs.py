@@ -121,6 +121,7 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
         assert api("GET", f"/machines/{rig.machine.id}")["revision"] == 1, "nothing is in force by itself"
         assert api("POST", f"{path}/{told['id']}/in-force", json={"by": "Ben"})["revision_in_force"] == 2
         assert [one["in_force"] for one in api("GET", path)] == [True]
+        assert api("GET", f"/machines/{rig.machine.id}")["document"]["calibration"]["gain_drift"] == 0.0
         if with_slow_roll:
             _subtract_run_outs(rig)
         added = rig.added(0, 30.0)
