@@ -382,8 +382,8 @@ GERMAN_STORED: Mapping[str, str] = {
         "{plane} does nothing at the measuring points that could be told from their scatter: trial weights on it are too "
         "small, or runs contradict each other (was a weight or its angle entered wrongly?)"
     ): (
-        "{plane} bewirkt an den Messpunkten nichts, was sich von deren Streuung unterscheiden ließe: Probegewichte darauf "
-        "sind zu klein, oder Läufe widersprechen einander (wurde ein Gewicht oder sein Winkel falsch eingegeben?)"
+        "{plane} bewirkt an den Messpunkten nichts, was sich von deren Streuung unterscheiden ließe: Testmassen darauf "
+        "sind zu klein, oder Läufe widersprechen einander (wurde eine Masse oder ihr Winkel falsch eingegeben?)"
     ),
     (
         "{plane} cannot be told apart from {others}: only {part} % of what it does at the measuring points is its own. "
