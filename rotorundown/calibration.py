@@ -1,7 +1,7 @@
 """Calibrates a machine from recorded runs with known unbalances, as `rundown calibrate` does."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import yaml
 
 from estimator.calibration.calibrate import Calibrated, with_named_senses
 from estimator.calibration.calibrate import calibrate as calibrate_runs
+from estimator.calibration.calibrated_document import with_gain_drift
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from formats.files.document_files import UnreadableFile
@@ -71,7 +72,9 @@ class CalibratedMachine:
         return notebook_text(self)
 
 
-def calibrate(machine: Machine, files: Iterable[str | PathLike[str]], *, seed: int = 0) -> CalibratedMachine:
+def calibrate(
+    machine: Machine, files: Iterable[str | PathLike[str]], *, seed: int = 0, gain_drift: float = 0.0
+) -> CalibratedMachine:
     """Calibrate a machine from recorded runs with known unbalances.
 
     Gains, phases and run-outs of channels, moduli, coefficients and the machine's own unbalance are fitted to all runs.
@@ -80,6 +83,7 @@ def calibrate(machine: Machine, files: Iterable[str | PathLike[str]], *, seed: i
         machine: The machine, with what is known of it beforehand.
         files: Paths of recordings, whose sidecars state which trial weights were on (`added_unbalance`).
         seed: Seed of the random starts.
+        gain_drift: By how much channels' gains may have changed by the time of a later run, rms, in parts of them [-].
 
     Returns:
         The calibration. One that is not accepted is returned too, and says so: look at `accepted` before using it.
@@ -99,6 +103,8 @@ def calibrate(machine: Machine, files: Iterable[str | PathLike[str]], *, seed: i
         runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
         with one_blas_thread():
             found = calibrate_runs(machine, runs, seed=seed)
-            return CalibratedMachine(with_named_senses(machine, runs, found, seed=seed), tuple(left_out))
+            found = with_named_senses(machine, runs, found, seed=seed)
+        drifting = replace(found, machine=with_gain_drift(found.machine, gain_drift))
+        return CalibratedMachine(drifting, tuple(left_out))
     except (UnreadableFile, Rejected, ValueError) as error:
         raise NotCalibrated(str(error)) from None

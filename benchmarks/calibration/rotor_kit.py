@@ -87,11 +87,8 @@ def folds(seed: int) -> list[frozenset[str]]:
 
 def by_model(held: frozenset[str], *, used: frozenset[str] | None = None) -> HeldOut:
     """Estimate held-out records with the document calibrated by the others, or by some of them."""
-    machine, whole, conditions = kit()
-    condition = np.array(conditions)
-    taught = ~np.isin(condition, list(held)) if used is None else np.isin(condition, list(used))
-    run = CalibrationRun("taught", whole.pick(taught), tuple(condition[taught].tolist()), steady=True)
-    calibrated = calibrate(machine, [run]).machine
+    _, whole, conditions = kit()
+    condition, calibrated = np.array(conditions), _calibrated(held, used)
     found, covariance, places = [], [], np.flatnonzero(np.isin(condition, list(held)))
     for place in places:
         record = replace(whole.pick(np.arange(condition.size) == place), added=None)
@@ -101,6 +98,31 @@ def by_model(held: frozenset[str], *, used: frozenset[str] | None = None) -> Hel
         found.append(since.value)
         covariance.append(since.covariance)
     return HeldOut(_added(whole)[places], np.array(found), np.array(covariance))
+
+
+def by_condition(held: frozenset[str], *, used: frozenset[str] | None = None) -> tuple[HeldOut, int]:
+    """Estimate held-out conditions, all records of one at both speeds in one fit; return the refused ones' number beside."""
+    _, whole, conditions = kit()
+    condition, calibrated = np.array(conditions), _calibrated(held, used)
+    true, found, covariance = [], [], []
+    for name in sorted(held):
+        records = condition == name
+        fitted = identify(calibrated, replace(whole.pick(records), added=None))
+        since = unbalance_since(calibrated, fitted)
+        if fitted.accepted and since is not None:
+            true.append(_added(whole)[records][0])
+            found.append(since.value)
+            covariance.append(since.covariance)
+    return HeldOut(np.array(true), np.array(found), np.array(covariance)), len(held) - len(true)
+
+
+def _calibrated(held: frozenset[str], used: frozenset[str] | None) -> Machine:
+    """Return the kit calibrated without some conditions, or with some alone."""
+    machine, whole, conditions = kit()
+    condition = np.array(conditions)
+    taught = ~np.isin(condition, list(held)) if used is None else np.isin(condition, list(used))
+    run = CalibrationRun("taught", whole.pick(taught), tuple(condition[taught].tolist()), steady=True)
+    return calibrate(machine, [run]).machine
 
 
 def by_least_squares(held: frozenset[str], *, used: frozenset[str] | None = None) -> HeldOut:

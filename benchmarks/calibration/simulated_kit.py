@@ -6,6 +6,7 @@ from msgspec.structs import replace
 from benchmarks.calibration.rotor_kit import DOCUMENT, HeldOut
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.calibrate import calibrate
+from estimator.calibration.calibrated_document import with_gain_drift
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.calibration.unbalance_since import unbalance_since
 from estimator.fit.estimates import CONFIDENCE_95
@@ -88,12 +89,14 @@ def later_changes(seed: int, *, mountings: int = RUNS) -> HeldOut:
     return HeldOut(np.array(true), np.array(found), np.array(covariance))
 
 
-def after_a_gain_changed(seed: int, factor: complex) -> tuple[int, int, int]:
+def after_a_gain_changed(seed: int, factor: complex, gain_drift: float = 0.0) -> tuple[int, int, int]:
     """Estimate later unbalances of a calibrated kit while one channel's gain is not what it was, each in turn.
 
-    Returns the number of fits, of accepted ones, and of intervals of these that hold; there are two to a disc.
+    gain_drift: what the calibration allows for [-]. Returns the number of fits, of accepted ones, and of intervals of these
+    that hold; there are two to a disc.
     """
     plant, calibrated = calibrated_kit(seed)
+    calibrated = with_gain_drift(calibrated, gain_drift)
     gain, accepted, held = plant.gain, 0, 0
     for channel in range(gain.size):
         plant.gain = np.where(np.arange(gain.size) == channel, factor, 1.0) * gain

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes
 from estimator.balancing.equivalent_unbalance import equivalent_unbalance
 from estimator.balancing.field_balancing import (
+    ROUNDING,
     BalancingRun,
     FieldBalancing,
     mass_of_rotors,
@@ -91,9 +92,15 @@ def check_balancing(found: FieldBalancing, run: BalancingRun) -> BalancingCheck:
         predicted=predicted,
         held=held,
         residual=residual_balance(found, residual, widened),
-        trim=in_sense_of_rotation(further.weight - weight, machine.direction),
+        trim=in_sense_of_rotation(_change(weight, further.weight), machine.direction),
         after_trim=further.after,
     )
+
+
+def _change(before: Complexes, after: Complexes) -> Complexes:
+    """Return what weights (Q,) change by, zero where that is a rounding error."""
+    change = after - before
+    return np.where(np.abs(change) > ROUNDING * np.maximum(np.abs(before), np.abs(after)), change, 0.0)
 
 
 def limit_verdict(band: PhasorBand, limit: float) -> LimitVerdict:

@@ -5,7 +5,7 @@ doi:10.1115/1.3670532), planes that cannot be told apart are left out, and the r
 in the planes of the bearings.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -31,6 +31,8 @@ from estimator.rotor.assembly import assemble_rotor
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import RotorBalance, balance_of_unbalances, mass_and_centre
 
+ROUNDING = 1e-9
+"""Part of a speed, or of a weight, by which rounding may change it [-]."""
 ModelInfluence = Callable[[tuple[str, ...], Floats], Complexes]
 """Function of planes and speeds (S,) that returns a model's influence coefficients (S, m, Q) [m/(kg m)]."""
 
@@ -301,16 +303,29 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
 
 def _speeds(machine: Machine, runs: Sequence[BalancingRun], asked: BalancingOptions) -> Floats:
     """Return the speeds to balance at, inside the document's range."""
-    lowest, highest = (rpm_to_rad_per_s(rpm) for rpm in (machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm))
+    if asked.service_speed is not None:
+        _require_in_range(machine, [asked.service_speed], "the service speed ")
+    lowest, highest = _range(machine)
     if asked.speed is None:
         return common_speeds([run.measurement for run in runs], lowest=lowest, highest=highest)
-    outside = [rad_per_s_to_rpm(one) for one in asked.speed if not lowest <= one <= highest]
+    _require_in_range(machine, asked.speed, "")
+    return np.sort(np.asarray(asked.speed, dtype=float))
+
+
+def _range(machine: Machine) -> tuple[float, float]:
+    """Return the document's speed range [rad/s]."""
+    return rpm_to_rad_per_s(machine.speed_range.minimum_rpm), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+
+
+def _require_in_range(machine: Machine, speed: Iterable[float], what: str) -> None:
+    """Check for speeds [rad/s] outside the document's range. what: words before them. Raises TrialsUnusable."""
+    lowest, highest = _range(machine)
+    outside = [rad_per_s_to_rpm(one) for one in speed if not lowest * (1 - ROUNDING) <= one <= highest * (1 + ROUNDING)]
     if outside:
         raise TrialsUnusable(
-            f"{', '.join(f'{one:.0f}' for one in outside)} r/min lies outside the document's range, "
+            f"{what}{', '.join(f'{one:.6g}' for one in outside)} r/min lies outside the document's range, "
             f"{machine.speed_range.minimum_rpm:g} to {machine.speed_range.maximum_rpm:g} r/min"
         )
-    return np.sort(np.asarray(asked.speed, dtype=float))
 
 
 def _planes(machine: Machine, runs: TrialRuns, asked: BalancingOptions) -> tuple[str, ...]:

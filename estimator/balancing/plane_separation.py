@@ -105,7 +105,10 @@ def _own_parts(matrix: Complexes) -> Floats:
 def _words(influence: MeasuredInfluence, matrix: Complexes, error: Floats, plane: int, kept: list[int]) -> str:
     name, length = influence.planes[plane], float(np.linalg.norm(matrix[:, plane]))
     if not kept or length < CLEAR_OF_ERROR * error[plane] or length == 0.0:
-        return f"{name} does nothing at the measuring points that could be told from their scatter; it is left out"
+        return (
+            f"{name} does nothing at the measuring points that could be told from their scatter: trial weights on it are too "
+            "small, or runs contradict each other (was a weight or its angle entered wrongly?); it is left out"
+        )
     rest = _rest(matrix, plane, kept)
     lengths = np.linalg.norm(matrix[:, kept], axis=0)
     alike = np.abs(np.conj(matrix[:, kept]).T @ matrix[:, plane]) / (lengths * length)

@@ -1,6 +1,6 @@
 """Documents of calibrated machines: made from a calibration, and compared without it."""
 
-from estimator.machine.calibration import Calibration
+from estimator.machine.calibration import MOST_DRIFT, Calibration
 from estimator.machine.document import Machine, parse_machine
 
 
@@ -21,6 +21,26 @@ def calibrated_document(machine: Machine, fitted: Machine, calibration: Calibrat
         update={"probes": fitted.probes, "materials": fitted.materials, "noise": noise, "calibration": calibration}
     )
     return parse_machine(whole.model_dump(mode="json", exclude_unset=False))
+
+
+def with_gain_drift(machine: Machine, gain_drift: float) -> Machine:
+    """Return a calibrated machine whose channels' gains may have drifted by the time of a later run.
+
+    Args:
+        machine: The machine with its calibration; one without stays as it is.
+        gain_drift: Rms of the complex change of each gain, in parts of it [-].
+
+    Returns:
+        The machine.
+
+    Raises:
+        ValueError: The drift is below zero or above `MOST_DRIFT`.
+    """
+    if not 0.0 <= gain_drift <= MOST_DRIFT:
+        raise ValueError(f"gain_drift is {gain_drift:g}: it lies between 0 and {MOST_DRIFT:g}, such as 0.02 for 2 %")
+    if machine.calibration is None:
+        return machine
+    return machine.model_copy(update={"calibration": machine.calibration.model_copy(update={"gain_drift": gain_drift})})
 
 
 def is_the_same_but_for_calibrations(machine: Machine, other: Machine) -> bool:

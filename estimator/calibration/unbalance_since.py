@@ -3,9 +3,13 @@
 A later fit finds the whole unbalance T. What it was in the calibration, U, is known together with gains and run-outs: the
 later fit's values of these move it by the regression K of U on them, and T - U has the covariance of both, with that of a new
 mounting (conditional Gaussian: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, app. A.2).
+
+Where only small trial weights tell the gains, a factor on all of them is uncertain by more than a straight line is good for:
+unbalances divided by it make the same vibration. So the calibration is first carried to the later fit's factor, exactly.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +18,9 @@ from msgspec import Struct
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
+
+PARTS = np.array([1.0, 1.0j])
+"""Factors (2,) that make a complex number of its real and imaginary part [-]."""
 
 
 class FittedPoint(Protocol):
@@ -91,8 +98,9 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
     shared = [name for name in calibration.parameters if name in found.coordinates and name not in calibration.unbalances]
     before, after = [calibration.parameters.index(one) for one in own], [found.coordinates.index(one) for one in own]
     there, here = [calibration.parameters.index(one) for one in shared], [found.coordinates.index(one) for one in shared]
-    values, known = np.array(calibration.values), np.array(calibration.covariance)
-    moved = np.diag(calibration.moved_by_mounting)
+    values, carry = _carried(machine, dict(zip(shared, found.point[here].tolist(), strict=True)))
+    known = carry @ np.array(calibration.covariance) @ carry.T
+    moved = np.diag(calibration.moved_since)
     gain = _regression(known, moved, before, there)
     was = values[before] + gain @ (found.point[here] - values[there])
     uncertain = known[np.ix_(before, before)] - gain @ known[np.ix_(there, before)]
@@ -101,6 +109,37 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
     covariance = found.covariance[np.ix_(after, after)] + uncertain - mixed - mixed.T + moved[np.ix_(before, before)]
     parts = found.point[after] - was
     return UnbalanceSince(discs, parts[::2] + 1j * parts[1::2], covariance)
+
+
+def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floats]:
+    """Return a calibration carried to the factor on all gains that a later fit found, which the unbalances are divided by.
+
+    Returns the values (n,) there and the derivative (n, n) of the way there; where a gain is held, there is no such factor.
+    later: values that the later fit found, by name.
+    """
+    calibration = machine.calibration
+    if calibration is None:
+        raise ValueError("the document holds no calibration")
+    names, values = calibration.parameters, np.array(calibration.values)
+    carry = np.eye(values.size)
+    chains = [f"probe.{probe.id}.gain" for probe in machine.probes]
+    pairs = [(f"{one}.real", f"{one}.imaginary") for one in chains]
+    if any(name not in later or name not in names for pair in pairs for name in pair):
+        return values, carry
+    places = np.array([[names.index(name) for name in pair] for pair in pairs])
+    gains = 1.0 + values[places] @ PARTS
+    factor = complex(np.mean((1.0 + np.array([[later[name] for name in pair] for pair in pairs]) @ PARTS) / gains))
+    unbalances = np.array(
+        [[names.index(f"disc.{disc.id}.unbalance.{part}") for part in ("real", "imaginary")] for disc in machine.discs]
+    )
+    # Against +x to +y an unbalance acts as its conjugate.
+    divided = 1.0 / (factor if machine.direction > 0 else factor.conjugate())
+    for rows, times, offset in ((places, factor, 1.0), (unbalances, divided, 0.0)):
+        for row in rows:
+            carried = times * (offset + complex(values[row] @ PARTS)) - offset
+            values[row] = carried.real, carried.imag
+            carry[np.ix_(row, row)] = [[times.real, -times.imag], [times.imag, times.real]]
+    return values, carry
 
 
 def _regression(known: Floats, moved: Floats, before: list[int], there: list[int]) -> Floats:

@@ -1,5 +1,6 @@
 """Calibration of a machine: what runs with known unbalances have shown of it, from which every later fit starts."""
 
+from collections.abc import Iterator
 from typing import Annotated, Self
 
 import numpy as np
@@ -13,6 +14,12 @@ MOST_PARAMETERS = 400
 LEAST_CORRELATION_EIGENVALUE = -1e-9
 """Eigenvalue of the correlation matrix below which a covariance is none [-]; rounding leaves some that are nearly zero."""
 
+MOST_DRIFT = 0.5
+"""Largest drift of gains beside which a calibration says anything of them [-]."""
+GainDrift = Annotated[
+    NotNegative,
+    Field(le=MOST_DRIFT, description="rms change of each channel's gain until a later run, in parts of it [-]"),
+]
 CovarianceRow = Annotated[tuple[Real, ...], Field(max_length=MOST_PARAMETERS, fail_fast=True)]
 CalibratedName = Annotated[Text, Field(min_length=1, max_length=200)]
 
@@ -60,13 +67,28 @@ class Calibration(Part):
     mounting: Annotated[tuple[MountingSpread, ...], Field(max_length=300)] = ()
     scatter: Annotated[tuple[ChannelScatter, ...], Field(max_length=2000)] = ()
     runs: Annotated[tuple[CalibrationRunRecord, ...], Field(max_length=1000)] = ()
+    gain_drift: GainDrift = 0.0
     verdict: Annotated[Text, Field(max_length=4000)] = Field(default="", description="what the calibration said of its fit")
 
     @property
-    def moved_by_mounting(self) -> NDArray[np.float64]:
-        """Return the variance (n,) by which each parameter differs from mounting to mounting [square of its unit]."""
+    def moved_since(self) -> NDArray[np.float64]:
+        """Return the variance (n,) by which each parameter differs in a later run: mounted anew, gains drifted.
+
+        In squares of its unit.
+        """
         rms = {f"{one.name}.{part}": one.rms for one in self.mounting for part in ("real", "imaginary")}
-        return np.array([rms.get(name, 0.0) ** 2 / 2.0 for name in self.parameters])
+        moved = np.array([rms.get(name, 0.0) ** 2 / 2.0 for name in self.parameters])
+        for gain, places in self._gains():
+            moved[places] += (self.gain_drift * abs(gain)) ** 2 / 2.0
+        return moved
+
+    def _gains(self) -> Iterator[tuple[complex, list[int]]]:
+        """Yield each channel's gain and the places of its parts."""
+        index = {name: place for place, name in enumerate(self.parameters)}
+        for name, place in index.items():
+            other = index.get(f"{name.removesuffix('.real')}.imaginary")
+            if name.endswith(".gain.real") and other is not None:
+                yield complex(1.0 + self.values[place], self.values[other]), [place, other]
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

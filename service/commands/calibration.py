@@ -23,6 +23,9 @@ def calibrate(
         Path | None, typer.Option(help="calibrated document to write; by default the document's name with -calibrated")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of the random starts")] = 0,
+    gain_drift: Annotated[
+        float, typer.Option(min=0.0, max=50.0, help="rms by which channels' gains may have changed until a later run [%]")
+    ] = 0.0,
     as_json: JsonOption = False,
 ) -> None:
     """Calibrate a machine from runs with known unbalances, and write the document that later fits start from.
@@ -40,7 +43,7 @@ def calibrate(
         described = read_machine(machine)
         print_warnings(described)
         with working("calibrating"):
-            found = calibrated(described, files, seed=seed)
+            found = calibrated(described, files, seed=seed, gain_drift=gain_drift / 100.0)
     except (UnreadableFile, NotCalibrated) as error:
         fail(str(error))
     for line in found.left_out:

@@ -14,7 +14,7 @@ import numpy as np
 from msgspec.structs import replace
 from sqlalchemy.orm import Session
 
-from estimator.calibration.calibrated_document import calibrated_document, is_the_same_but_for_calibrations
+from estimator.calibration.calibrated_document import calibrated_document, is_the_same_but_for_calibrations, with_gain_drift
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.errors import Conflict, Invalid
 from estimator.machine.document import Machine, parse_machine
@@ -150,8 +150,10 @@ def file_calibration(session: Session, job: JobRow, outcome: CalibrationOutcome)
     logger.info("%s: calibration %d %s", row.machine_id, row.id, outcome.verdict)
 
 
-def put_in_force(session: Session, machine_id: str, calibration_id: int, *, by: str) -> RevisionRow:
+def put_in_force(session: Session, machine_id: str, calibration_id: int, *, by: str, gain_drift: float = 0.0) -> RevisionRow:
     """Make an accepted calibration part of the document in force, as a new revision, and note it on the timeline.
+
+    gain_drift: rms by which channels' gains may have changed until a later run, in parts of them [-].
 
     Raises MachineUnknown, ModelCalibrationUnknown, NotToPutInForce.
     """
@@ -159,7 +161,7 @@ def put_in_force(session: Session, machine_id: str, calibration_id: int, *, by: 
     if not row.accepted or row.document is None:
         why = "it is not computed yet" if row.accepted is None else f"it was not accepted: {row.verdict}"
         raise NotToPutInForce(f"calibration {calibration_id} cannot be put in force: {why}")
-    calibrated, current = parse_machine(row.document), machines.document(session, machine_id)
+    calibrated, current = with_gain_drift(parse_machine(row.document), gain_drift), machines.document(session, machine_id)
     if not is_the_same_but_for_calibrations(calibrated, current):
         raise NotToPutInForce(
             f"calibration {calibration_id} is of revision {row.revision} of the document; the one in force describes another "

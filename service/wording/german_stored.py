@@ -25,6 +25,24 @@ GERMAN_STORED: Mapping[str, str] = {
         "oder die Messwerte überlappen"
     ),
     "intervals are widened": "Vertrauensbereiche sind verbreitert",
+    (
+        "the run contradicts the document's calibration: if something has changed since, calibrate again or take "
+        "`calibration` out (χ²/dof with it {reduced}"
+    ): (
+        "der Lauf widerspricht der Kalibrierung des Dokuments: Falls sich seither etwas geändert hat, neu kalibrieren oder "
+        "`calibration` herausnehmen (χ²/Freiheitsgrad mit ihr {reduced}"
+    ),
+    "the run fits the document's calibration badly (χ²/dof with it {reduced}": (
+        "der Lauf passt schlecht zur Kalibrierung des Dokuments (χ²/Freiheitsgrad mit ihr {reduced}"
+    ),
+    "{name} furthest from it, by {errors} standard errors": "{name} am weitesten von ihr, um {errors} Standardfehler",
+    "{name} furthest from it, by {errors} standard errors): {rest}": (
+        "{name} am weitesten von ihr, um {errors} Standardfehler): {rest}"
+    ),
+    "the gain of {channel} fits best at {factor} times its calibrated value, turned by {angle}°): {rest}": (
+        "die Verstärkung von {channel} passt am besten beim {factor}-Fachen ihres kalibrierten Werts, um {angle}° gedreht): "
+        "{rest}"
+    ),
     "{count} runs averaged: {rest}": "{count} Läufe gemittelt: {rest}",
     "each accepted": "jeder angenommen",
     "the speed left the speed range": "die Drehzahl verließ den Drehzahlbereich",
@@ -360,8 +378,12 @@ GERMAN_STORED: Mapping[str, str] = {
         "{planes} wirken an den Messpunkten fast gleich, nur {part} % ist ihnen eigen: Massen auf ihnen heben sich fast auf "
         "und sind nicht besser bekannt, als ihre Vertrauensbereiche sagen"
     ),
-    "{plane} does nothing at the measuring points that could be told from their scatter": (
-        "{plane} bewirkt an den Messpunkten nichts, was sich von deren Streuung unterscheiden ließe"
+    (
+        "{plane} does nothing at the measuring points that could be told from their scatter: trial weights on it are too "
+        "small, or runs contradict each other (was a weight or its angle entered wrongly?)"
+    ): (
+        "{plane} bewirkt an den Messpunkten nichts, was sich von deren Streuung unterscheiden ließe: Testmassen darauf "
+        "sind zu klein, oder Läufe widersprechen einander (wurde eine Masse oder ihr Winkel falsch eingegeben?)"
     ),
     (
         "{plane} cannot be told apart from {others}: only {part} % of what it does at the measuring points is its own. "

@@ -3,10 +3,11 @@
 `disc_scale`: the scale of angles on the discs, as `estimator.machine.disc_scale` has it, missing in older ones;
 `initial`: ids of the runs before any trial weight; `trials`: for each trial run its id and weights; `correction`: what was
 asked and what came; `check`: the check run with its weights and what it shows. A later step is null until it is taken.
+`withdrawn`: trial runs that were taken back, with who did and why, missing in older ones.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -72,3 +73,28 @@ def record(row: BalancingRow, state: str, **steps: Any) -> None:
     row.steps = row.steps | steps
     row.state = state
     row.updated_at = now()
+
+
+def withdrawn(row: BalancingRow) -> list[dict[str, Any]]:
+    """Return the trial runs that were taken back."""
+    return cast(list[dict[str, Any]], row.steps.get("withdrawn") or [])
+
+
+def withdraw(row: BalancingRow, trial: dict[str, Any], *, by: str, comment: str) -> None:
+    """Take a trial run back, with what was computed from it; it stays on record.
+
+    trial: the trial as the balancing's steps hold it. by, comment: who does it, and why.
+    """
+    correction = row.steps["correction"]
+    planes = [] if correction is None else correction["result"]["planes"]
+    given_up = [{key: one[key] for key in ("disc", "g_mm", "angle_deg")} for one in planes]
+    record_of_it = trial | {"withdrawn_by": by, "comment": comment, "at": now(), "given_up": given_up}
+    trials = [one for one in row.steps["trials"] if one != trial]
+    record(
+        row,
+        TRIED if trials else BEGUN,
+        trials=trials,
+        withdrawn=[*withdrawn(row), record_of_it],
+        correction=None,
+        check=None,
+    )

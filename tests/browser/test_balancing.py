@@ -121,6 +121,33 @@ def test_a_machine_is_balanced_from_the_page(seen: Seen, service: Service) -> No
     assert seen.errors == []
 
 
+def test_a_trial_is_withdrawn_with_a_reason_and_the_correction_goes_with_it(seen: Seen, service: Service) -> None:
+    runs = _closed_runs(service, COPY)
+    _until_tried(seen, COPY, runs)
+    dialog = _step(seen, "Compute the correction …")
+    _send(dialog, "Compute")
+    expect(dialog).to_have_count(0)
+    dialog = _step(seen, f"Withdraw trial run {runs[1]}")
+    expect(dialog.get_by_text("The correction that was computed from it, and its check run, are given up too")).to_be_visible()
+    dialog.get_by_label("Why").fill("the weight was on D2")
+    _send(dialog, "Withdraw")
+    expect(dialog).to_have_count(0)
+    gone = re.compile(rf"Withdrawn: trial run {runs[1]}, 5000 g·mm on D1 at 0°; .* by anna: the weight was on D2")
+    expect(seen.page.get_by_text(gone)).to_be_visible()
+    expect(seen.page.get_by_role("button", name="Compute the correction …")).to_have_count(0)
+    found = service.get(f"/machines/{COPY}/balancings")[0]
+    assert (found["state"], found["trials"], found["correction"]) == ("begun", [], None)
+    dialog = _step(seen, "Add a trial run …")
+    dialog.get_by_label("Run with the weight").select_option(str(runs[1]))
+    dialog.locator("select[name=disc]").select_option("D2")
+    dialog.get_by_label("Amount").fill(str(TRIAL_G_MM))
+    dialog.get_by_label("Angle").fill("0")
+    _send(dialog, "Add")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.get_by_text(f"Trial run {runs[1]}: 5000 g·mm on D2 at 0°")).to_be_visible()
+    assert seen.errors == []
+
+
 def test_on_paper_the_buttons_are_left_out(seen: Seen, service: Service) -> None:
     _until_tried(seen, COPY, _closed_runs(service, COPY))
     seen.page.emulate_media(media="print")

@@ -55,6 +55,23 @@ def test_what_a_later_run_has_gained_is_told_of_a_calibrated_machine_only(
     assert 5e-6 < gained.standard_error(0) * 1.96 < 20e-6
 
 
+def test_gains_that_may_have_drifted_widen_what_a_later_run_has_gained(
+    calibrated: rd.CalibratedMachine, tmp_path: Path
+) -> None:
+    file = EXAMPLES / "recordings" / "rk4_unbalance_1x.csv"
+    drifting = rd.calibrate(rd.read_machine(KIT), [file], gain_drift=0.05)
+    drifting.write(tmp_path / "kit.yaml")
+    machine, later = rd.read_machine(tmp_path / "kit.yaml"), without_stated_weights(tmp_path, "A005")
+    assert machine.calibration is not None
+    assert machine.calibration.gain_drift == 0.05
+    wide, narrow = (rd.identify(one, later).unbalance_gained for one in (machine, calibrated.machine))
+    assert wide is not None
+    assert narrow is not None
+    assert wide.standard_error(0) > 1.1 * narrow.standard_error(0)
+    with pytest.raises(NotCalibrated, match=r"gain_drift is 5: it lies between 0 and 0\.5, such as 0\.02 for 2 %"):
+        rd.calibrate(rd.read_machine(KIT), [file], gain_drift=5.0)
+
+
 def test_one_that_is_not_accepted_is_not_written(calibrated: rd.CalibratedMachine, tmp_path: Path) -> None:
     refused = replace(calibrated, found=replace(calibrated.found, accepted=False))
     assert str(refused).startswith("NOT ACCEPTED, not to be used")

@@ -282,3 +282,26 @@ function DiscBounds({ disc }: { disc: string }) {
     </details>
   );
 }
+
+/** Take a trial run back; what was computed from it goes with it. */
+export function WithdrawTrialDialog({ balancing, run, onStored, onClose }: { balancing: FieldBalancing; run: number; onStored: (balancing: FieldBalancing) => void; onClose: () => void }) {
+  const list = `/machines/${balancing.machine}/balancings`;
+  const givenUp = balancing.correction !== null;
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const body = { run, with_correction: givenUp, comment: String(form.get("comment")).trim(), by: author(form) };
+    try {
+      onStored(await post<FieldBalancing>(`${list}/${balancing.id}/withdrawals`, body, null, keys));
+      await refetch(list);
+    } catch (error) {
+      void refetch(list);
+      throw error;
+    }
+  };
+  return (
+    <FormDialog title={t("withdrawTrialRun", { run })} button={t("withdraw")} onSubmit={submit} onClose={onClose}>
+      <p class="muted">{t("withdrawnStaysOnRecord")}</p>
+      {givenUp && <p class="notice">{t("correctionIsGivenUpToo")}</p>}
+      <CommentField label={t("why")} required />
+    </FormDialog>
+  );
+}

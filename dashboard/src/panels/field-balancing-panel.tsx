@@ -7,7 +7,7 @@ import { Scroll } from "../components/scroll";
 import { useSpeedText } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
-import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
+import { BalancingDialog, WithdrawTrialDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
 import { angleConvention, angleText } from "../format/angles";
 import { number } from "../format/numbers";
 import { rich, stored, t, term } from "../messages/messages";
@@ -38,6 +38,7 @@ interface OpenStep {
 
 export function FieldBalancingPanel({ machine, hidden = false, warning = null }: Props) {
   const [open, setOpen] = useState<OpenStep | null>(null);
+  const [withdrawing, setWithdrawing] = useState<{ run: number; of: FieldBalancing } | null>(null);
   const [chosen, setChosen] = useState<number | null>(null);
   /** The one that a step was stored to last: shown until the list has it. */
   const [latest, setLatest] = useState<FieldBalancing | null>(null);
@@ -56,7 +57,7 @@ export function FieldBalancingPanel({ machine, hidden = false, warning = null }:
               shown ? (
                 <>
                   {list.length > 1 && <BalancingSelect list={list} shown={shown} onChoose={setChosen} />}
-                  <Steps found={shown} onStep={(step) => setOpen({ step, of: shown })} />
+                  <Steps found={shown} onStep={(step) => setOpen({ step, of: shown })} onWithdraw={(run) => setWithdrawing({ run, of: shown })} />
                   {shown.correction && <Correction found={shown.correction} check={shown.check} angles={scaleWords(shown, machine)} />}
                   {shown.check && <Check found={shown.check} />}
                   {shown.correction && <BalancingVectors correction={shown.correction} check={shown.check} />}
@@ -71,6 +72,7 @@ export function FieldBalancingPanel({ machine, hidden = false, warning = null }:
       {open && (
         <BalancingDialog machine={machine} step={open.step} balancing={open.of} warning={warning} onStored={onStored} onClose={() => setOpen(null)} />
       )}
+      {withdrawing && <WithdrawTrialDialog balancing={withdrawing.of} run={withdrawing.run} onStored={onStored} onClose={() => setWithdrawing(null)} />}
     </>
   );
 }
@@ -103,7 +105,13 @@ function BalancingSelect({ list, shown, onChoose }: { list: FieldBalancing[]; sh
   );
 }
 
-function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: BalancingStep) => void }) {
+interface StepsProps {
+  found: FieldBalancing;
+  onStep: (step: BalancingStep) => void;
+  onWithdraw: (run: number) => void;
+}
+
+function Steps({ found, onStep, onWithdraw }: StepsProps) {
   return (
     <>
       <p class="muted">
@@ -113,7 +121,15 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
         <li>{t("initialRun", { runs: found.initial.join(", ") })}</li>
         {found.trials.map((one) => (
           <li key={one.run}>
-            {t("trialRun", { run: one.run, weights: weightsText(one.weights) })}
+            {t("trialRun", { run: one.run, weights: weightsText(one.weights) })}{" "}
+            <button type="button" class="screen" aria-label={t("withdrawTrialRun", { run: one.run })} onClick={() => onWithdraw(one.run)}>
+              {t("withdrawDots")}
+            </button>
+          </li>
+        ))}
+        {found.withdrawn.map((one) => (
+          <li key={`${one.run} ${one.at}`} class="muted">
+            {rich("trialRunWithdrawn", { run: one.run, weights: weightsText(one.weights), time: <Time at={one.at} />, by: one.withdrawn_by, why: one.comment })}
           </li>
         ))}
       </ul>

@@ -81,8 +81,18 @@ export interface CheckRun {
   vectors: (Vector & { point: string })[];
 }
 
+/** A trial run that was taken back. */
+export interface WithdrawnTrial {
+  run: number;
+  weights: Weight[];
+  withdrawn_by: string;
+  comment: string;
+  at: string;
+}
+
 export interface FieldBalancing {
   id: number;
+  machine: string;
   state: "begun" | "tried" | "proposed" | "checked";
   by: string;
   comment: string;
@@ -91,6 +101,7 @@ export interface FieldBalancing {
   disc_scale: { counted: Counted; zero_deg: number };
   initial: number[];
   trials: { run: number; weights: Weight[]; by: string }[];
+  withdrawn: WithdrawnTrial[];
   correction: ProposedCorrection | null;
   check: CheckRun | null;
 }

@@ -90,7 +90,7 @@ def calibrated_prior(
     if not rows:
         return None
     places = np.array([index[calibration.parameters[row]] for row in rows], dtype=np.intp)
-    whole = np.array(calibration.covariance) + np.diag(calibration.moved_by_mounting)
+    whole = np.array(calibration.covariance) + np.diag(calibration.moved_since)
     covariance = whole[np.ix_(rows, rows)] / np.outer(unit[places], unit[places])
     centre = (np.array(calibration.values)[rows] - origin[places]) / unit[places]
     return CalibratedPrior(places, centre, covariance)

@@ -46,7 +46,7 @@ def begin_suppression(
     with database(request).reading() as session:  # a document is long, and other writers wait for a transaction
         document = machines.document(session, machine_id)
         standing = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST_ALERTS)
-        require_possible(document, said.rule, said.element, of_alerts=[(one.rule, one.element) for one in standing])
+        require_possible(document, body.rule, body.element, of_alerts=[(one.rule, one.element) for one in standing])
     with database(request).transaction() as session:
         machines.get(session, machine_id)
         row = transitions.suppress(

@@ -12,7 +12,7 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.strict_model import StrictModel
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, WeightUnit
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneVerdict
-from service.api.conventions.fields import Comment
+from service.api.conventions.fields import Comment, NonBlankText
 from service.balancing.stored_runs import StoredWeight
 from service.security.principal import Author
 
@@ -107,6 +107,17 @@ class TrialIn(StrictModel):
     by: Author
 
 
+class WithdrawalIn(StrictModel):
+    """A trial run to take back, and why."""
+
+    run: RunNumber
+    with_correction: bool = Field(
+        default=False, description="whether to give up the correction that was computed from it, and its check run, too"
+    )
+    comment: NonBlankText = Field(description="why")
+    by: Author
+
+
 class PlacesIn(StrictModel):
     """Evenly spaced places of a disc where weights can sit."""
 
@@ -131,7 +142,7 @@ class CorrectionIn(StrictModel):
     grade: Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)] = Field(
         default=2.5, description="balance quality grade G asked for, ISO 21940-11 [mm/s]"
     )
-    service_rpm: Size | None = Field(default=None, description="by default the end of the speed range [r/min]")
+    service_rpm: Size | None = Field(default=None, description="inside the speed range, by default its end [r/min]")
     identification: RunNumber | None = Field(
         default=None, description="one whose model is used, alone or corrected, where it clearly predicts runs left out better"
     )
@@ -161,6 +172,15 @@ class TrialOut(BaseModel):
     run: int
     weights: list[WeightOut]
     by: str
+
+
+class WithdrawnTrialOut(TrialOut):
+    """A trial run that was taken back: it takes part in nothing."""
+
+    withdrawn_by: str
+    comment: str = Field(description="why")
+    at: datetime
+    given_up: list[WeightOut] = Field(description="the correction that was given up with it; empty where none stood")
 
 
 class PlacedMass(BaseModel):
@@ -313,5 +333,6 @@ class BalancingOut(BaseModel):
     disc_scale: DiscScale
     initial: list[int] = Field(description="runs before any trial weight")
     trials: list[TrialOut]
+    withdrawn: list[WithdrawnTrialOut] = Field(description="trial runs that were taken back, in this order")
     correction: CorrectionOut | None
     check: CheckOut | None

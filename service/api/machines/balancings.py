@@ -52,6 +52,10 @@ class TooManyTrials(Conflict):
     """Raised for a trial run beyond as many as a balancing may have."""
 
 
+class CorrectionStands(Conflict):
+    """Raised when a trial is to be withdrawn from which a correction was computed that is not given up with it."""
+
+
 class StepMissing(Conflict):
     """Raised when a step is asked for before the one that it needs."""
 
@@ -97,8 +101,11 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, bod
         row = balancings.get(session, machine_id, balancing_id)
         read, weights = row.updated_at, _weights(session, row, body.weights)
         _require_other_run(row, body.run)
-        if len(row.steps["trials"]) >= MOST_TRIALS:
-            raise TooManyTrials(f"balancing {balancing_id} has {MOST_TRIALS} trial runs, as many as may be: begin another one")
+        if len(row.steps["trials"]) + len(balancings.withdrawn(row)) >= MOST_TRIALS:
+            raise TooManyTrials(
+                f"balancing {balancing_id} has {MOST_TRIALS} trial runs, as many as may be, those withdrawn counted: begin "
+                "another one"
+            )
         machine = machines.document(session, machine_id, row.revision)
         tried = balancing_run(session, machine_id, row.revision, body.run, weights)
         others = [balancing_run(session, machine_id, row.revision, one, None) for one in _run_ids(row)]
@@ -107,6 +114,26 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, bod
         row = _unmoved(session, machine_id, balancing_id, read)
         trial = {"run": body.run, "weights": [asdict(one) for one in weights], "by": body.by}
         balancings.record(row, balancings.TRIED, trials=[*row.steps["trials"], trial], correction=None, check=None)
+        return _rendered(session, row)
+
+
+@router.post("/{balancing_id}/withdrawals", operation_id="withdraw_balancing_trial", dependencies=[ANALYST], responses=CHANGES)
+def withdraw_trial(
+    request: Request, machine_id: MachineId, balancing_id: Number, body: schemas.WithdrawalIn
+) -> schemas.BalancingOut:
+    """Take a trial run back, such as one whose weight was entered wrongly; it may be added again.
+
+    It stays on record with who withdrew it and why. Answers 409 while a correction stands that was computed from it, unless
+    that is given up with it, and its check run too.
+    """
+    with database(request).transaction() as session:
+        row = balancings.get(session, machine_id, balancing_id, to_change=True)
+        trial = next((one for one in row.steps["trials"] if one["run"] == body.run), None)
+        if trial is None:
+            runs = ", ".join(str(one["run"]) for one in row.steps["trials"]) or "none"
+            raise Unsuitable(f"run {body.run} is no trial run of balancing {balancing_id}; its trial runs are: {runs}")
+        _require_given_up(row, body)
+        balancings.withdraw(row, trial, by=body.by, comment=body.comment)
         return _rendered(session, row)
 
 
@@ -174,6 +201,18 @@ def check_correction(
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.CHECKED, check=step)
         return _rendered(session, row)
+
+
+def _require_given_up(row: BalancingRow, body: schemas.WithdrawalIn) -> None:
+    """Raise CorrectionStands where a correction was computed from the trials and is not given up."""
+    correction, check = row.steps["correction"], row.steps["check"]
+    if correction is None or body.with_correction:
+        return
+    checked = "" if check is None else f", and run {check['run']} has checked it"
+    raise CorrectionStands(
+        f"masses were proposed by {correction['by']} from the trials with run {body.run}{checked}: withdraw it with "
+        "`with_correction: true`, which gives these up, and compute the correction anew"
+    )
 
 
 def _run_ids(row: BalancingRow) -> list[int]:
@@ -280,6 +319,9 @@ def _rendered(session: Session, row: BalancingRow) -> schemas.BalancingOut:
             "disc_scale": scale,
             "initial": row.steps["initial"],
             "trials": on_scale(row.steps["trials"], scale, direction),
+            "withdrawn": [
+                on_scale(one, scale, direction) | {"at": to_datetime(one["at"])} for one in balancings.withdrawn(row)
+            ],
             "correction": None
             if correction is None
             else on_scale(correction["result"], scale, direction) | _author_and_time(correction),

@@ -5,6 +5,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, Field, model_validator
 
+from estimator.machine.calibration import GainDrift
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.strict_model import StrictModel
@@ -56,6 +57,7 @@ class ModelCalibrationIn(StrictModel):
 class CalibrationInForceIn(StrictModel):
     """Putting a calibration in force, with the person who does so."""
 
+    gain_drift: GainDrift = 0.0
     by: Author
 
 

@@ -100,7 +100,7 @@ def put_in_force(
     What else the document says by now stays; one that describes another train than was calibrated answers 409.
     """
     with database(request).transaction() as session:
-        calibration_jobs.put_in_force(session, machine_id, calibration_id, by=body.by)
+        calibration_jobs.put_in_force(session, machine_id, calibration_id, by=body.by, gain_drift=body.gain_drift)
         return _rendered(session, model_calibrations.get(session, machine_id, calibration_id))
 
 

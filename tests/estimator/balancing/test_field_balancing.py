@@ -117,6 +117,16 @@ def test_a_check_run_renews_the_correction() -> None:
     assert limit_verdict(check.after_trim, 1e-12) == "not met"
 
 
+def test_nothing_to_trim_is_exactly_nothing() -> None:
+    """A check run that shows what was predicted, to rounding: no further weight, not one of 1e-12 g mm at some angle."""
+    said = document()
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, trials, options=BalancingOptions(limit={"D1": 1e-6}))
+    check = check_balancing(found, run_of(said, "check", dict(zip(DISCS, found.unbalance.tolist(), strict=True)), seed=9))
+    assert check.trim[0] == 0.0 or abs(check.trim[0]) > 1e-12
+    assert np.count_nonzero(check.trim) >= 3
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [

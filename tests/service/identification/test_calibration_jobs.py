@@ -121,6 +121,7 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
         assert api("GET", f"/machines/{rig.machine.id}")["revision"] == 1, "nothing is in force by itself"
         assert api("POST", f"{path}/{told['id']}/in-force", json={"by": "Ben"})["revision_in_force"] == 2
         assert [one["in_force"] for one in api("GET", path)] == [True]
+        assert api("GET", f"/machines/{rig.machine.id}")["document"]["calibration"]["gain_drift"] == 0.0
         if with_slow_roll:
             _subtract_run_outs(rig)
         added = rig.added(0, 30.0)
@@ -149,6 +150,10 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
     assert first["half_width_g_mm"] < 0.2e6 * WEIGHT
     assert abs(first["angle_deg"] - 30.0) < 2.0 * first["half_width_deg"] < 20.0
     assert second["g_mm"] < 2.0 * second["half_width_g_mm"]
+    drifting = api("POST", f"{path}/{told['id']}/in-force", json={"by": "Ben", "gain_drift": 0.02})
+    assert (drifting["revision_in_force"], drifting["in_force"]) == (3, True)
+    assert api("GET", f"/machines/{rig.machine.id}")["document"]["calibration"]["gain_drift"] == 0.02
+    api("POST", f"{path}/{told['id']}/in-force", 422, json={"by": "Ben", "gain_drift": 0.7})
 
 
 def _subtract_run_outs(rig: MiscalibratedPump) -> None:

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from benchmarks.calibration.simulated_kit import SimulatedKit
 from estimator.arrays import Complexes
 from estimator.calibration.calibrate import calibrate
+from estimator.calibration.calibrated_document import with_gain_drift
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.calibration.unbalance_since import unbalance_since
 from estimator.fit.estimates import CONFIDENCE_95
@@ -68,6 +69,27 @@ def test_what_is_accepted_of_a_machine_that_has_changed_a_little_has_intervals_t
             parts = np.stack([error.real, error.imag], axis=1).reshape(-1)
             held += (np.abs(parts) < CONFIDENCE_95 * np.sqrt(np.diag(since.covariance))).tolist()
     assert len(held) >= 12
+    assert np.mean(held) > 0.85
+
+
+def test_gains_that_drift_as_far_as_is_allowed_for_are_accepted_with_intervals_that_hold(kit: Kit) -> None:
+    constant, drifting = kit.calibrated, with_gain_drift(kit.calibrated, 0.03)
+    held, refused = [], {constant.id: 0, "drifting": 0}
+    for number in range(12):
+        gains = [1.0] * 4
+        gains[number % 4] = 1.07
+        added = kit.plant.trial(number)
+        kit.plant.gain = kit.gain * np.array(gains)
+        later = replace(kit.plant.run(added), added=None)
+        refused[constant.id] += not identify(constant, later).accepted
+        found = identify(drifting, later)
+        refused["drifting"] += not found.accepted
+        since = unbalance_since(drifting, found)
+        assert since is not None
+        error = since.value - added
+        parts = np.stack([error.real, error.imag], axis=1).reshape(-1)
+        held += (np.abs(parts) < CONFIDENCE_95 * np.sqrt(np.diag(since.covariance))).tolist()
+    assert refused["drifting"] <= 1 < refused[constant.id], refused
     assert np.mean(held) > 0.85
 
 

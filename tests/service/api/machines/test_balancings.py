@@ -231,7 +231,7 @@ def test_a_trial_without_its_weight_is_told_what_to_state(api: Api, begun: int, 
 
 
 def test_a_trial_that_can_tell_nothing_is_refused_before_the_next_run_is_made(store: Database, api: Api, begun: int) -> None:
-    """Otherwise the balancing could not go on: a trial is not taken back."""
+    """Otherwise the balancing could not go on before the trial is taken back."""
     opposite = [WEIGHTS["D1"][0], WEIGHTS["D1"][0] | {"angle_deg": 180.0}]
     body = {"run": add_run(store, {}, number=8), "weights": opposite, "by": "Ada"}
     assert "its weights cancel each other" in api("POST", f"{PATH}/{begun}/trials", 422, json=body)["detail"]
@@ -251,6 +251,62 @@ def test_a_check_with_the_weights_of_another_unit_or_with_a_run_that_came_before
     body = {"run": proposed["initial"][0], "by": "Ada"}
     assert "is part of this balancing already" in api("POST", f"{PATH}/{begun}/check", 422, json=body)["detail"]
     assert api("GET", f"{PATH}/{begun}") == proposed
+
+
+def test_a_trial_with_a_wrong_weight_is_taken_back_and_added_again(store: Database, api: Api, begun: int) -> None:
+    run = add_run(store, {"D1": (500.0, 90.0)}, number=8)
+    wrong = [WEIGHTS["D1"][0] | {"amount": 500.0, "angle_deg": 70.0}]  # it was at 90°
+    trial = {"run": run, "weights": wrong, "by": "Ada"}
+    api("POST", f"{PATH}/{begun}/trials", json=trial)
+    wrong_way = api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["correction"]["planes"]
+    asked = {"run": run, "comment": "the weight was at 90°", "by": "Ben"}
+    told = api("POST", f"{PATH}/{begun}/withdrawals", 409, json=asked)["detail"]
+    assert f"masses were proposed by Ada from the trials with run {run}: withdraw it with `with_correction: true`" in told
+    assert api("GET", f"{PATH}/{begun}")["state"] == "proposed"
+    left = api("POST", f"{PATH}/{begun}/withdrawals", json=asked | {"with_correction": True})
+    assert (left["state"], left["correction"], len(left["trials"])) == ("tried", None, 2)
+    [gone] = left["withdrawn"]
+    assert (gone["run"], gone["by"], gone["withdrawn_by"], gone["comment"]) == (run, "Ada", "Ben", "the weight was at 90°")
+    assert gone["weights"][0]["scale_deg"] == pytest.approx(70.0)
+    assert [one["g_mm"] for one in gone["given_up"]] == [one["g_mm"] for one in wrong_way]
+    again = api("POST", f"{PATH}/{begun}/trials", json=trial | {"weights": [wrong[0] | {"angle_deg": 90.0}]})
+    assert [one["run"] for one in again["trials"]][2:] == [run]
+    plane = api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["correction"]["planes"][0]
+    assert plane["g_mm"] == pytest.approx(1000.0, rel=0.05)
+    assert abs(wrong_way[0]["g_mm"] - 1000.0) > 60.0
+    assert api("GET", f"{PATH}/{begun}")["withdrawn"] == left["withdrawn"], "it stays on record"
+    with store.reading() as session:
+        assert "withdraw_balancing_trial" in [one.operation for one in audit.newest(session, limit=5)]
+
+
+def test_a_trial_whose_masses_were_checked_is_taken_back_only_with_them(store: Database, api: Api, begun: int) -> None:
+    api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})
+    check = add_run(store, {}, number=9)
+    checked = api("POST", f"{PATH}/{begun}/check", json={"run": check, "weights": [], "by": "Ada"})
+    first, second = (one["run"] for one in checked["trials"])
+    asked = {"run": first, "comment": "it fell off", "by": "Ben"}
+    assert f"run {check} has checked it" in api("POST", f"{PATH}/{begun}/withdrawals", 409, json=asked)["detail"]
+    left = api("POST", f"{PATH}/{begun}/withdrawals", json=asked | {"with_correction": True})
+    assert (left["state"], left["check"], [one["run"] for one in left["trials"]]) == ("tried", None, [second])
+    told = api("POST", f"{PATH}/{begun}/withdrawals", 422, json=asked)["detail"]
+    assert told == f"run {first} is no trial run of balancing {begun}; its trial runs are: {second}"
+    last = api("POST", f"{PATH}/{begun}/withdrawals", json=asked | {"run": second})
+    assert (last["state"], last["trials"], len(last["withdrawn"])) == ("begun", [], 2)
+    assert "has no trial run yet" in api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
+    why = api("POST", f"{PATH}/{begun}/withdrawals", 422, json={"run": second, "comment": " ", "by": "Ben"})["errors"]
+    assert [one["field"] for one in why] == ["comment"]
+
+
+def test_a_service_speed_outside_of_the_documents_range_is_named(api: Api, begun: int) -> None:
+    asked = {"service_rpm": 30000.0, "by": "Ada"}
+    told = api("POST", f"{PATH}/{begun}/correction", 422, json=asked)["detail"]
+    limits = document()["speed_range"]
+    assert told == (
+        f"the service speed 30000 r/min lies outside the document's range, {limits['minimum_rpm']:g} to "
+        f"{limits['maximum_rpm']:g} r/min"
+    )
+    proposed = api("POST", f"{PATH}/{begun}/correction", json=asked | {"service_rpm": limits["maximum_rpm"]})
+    assert proposed["correction"]["service_rpm"] == pytest.approx(limits["maximum_rpm"])
 
 
 def test_planes_that_cannot_be_told_apart_are_named_and_one_of_them_is_left_out(store: Database, api: Api) -> None:
