@@ -10,6 +10,7 @@ look otherwise: `--accepted` names a folder of one's own.
 
 import argparse
 import tempfile
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,11 @@ SIZES: dict[str, dict[str, object]] = {
 }
 
 
+def views_in(size: str) -> Collection[str]:
+    """Return the views that are taken in a size."""
+    return IN_MILS if size == "mil" else VIEWS | OTHERS
+
+
 def take(browser: Browser, base: str, folder: Path) -> list[Path]:
     """Take all pictures."""
     expect.set_options(timeout=PATIENCE_MS)
@@ -59,7 +65,7 @@ def take(browser: Browser, base: str, folder: Path) -> list[Path]:
         page = context.new_page()
         if size == "mil":
             page.add_init_script(MILS)
-        for view in IN_MILS if size == "mil" else VIEWS | OTHERS:
+        for view in views_in(size):
             show(page, base, view, views=VIEWS | OTHERS)
             expect(page.locator(".error")).to_have_count(0)
             page.wait_for_timeout(SETTLE_MS)

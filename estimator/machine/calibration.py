@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from estimator.field_types import Identifier, NotNegative, Part, Positive, Real, Text
+from estimator.machine.parameter_description import describe
 
 MOST_PARAMETERS = 400
 """Most parameters of a calibration."""
@@ -86,8 +87,9 @@ class Calibration(Part):
         """Yield each channel's gain and the places of its parts."""
         index = {name: place for place, name in enumerate(self.parameters)}
         for name, place in index.items():
-            other = index.get(f"{name.removesuffix('.real')}.imaginary")
-            if name.endswith(".gain.real") and other is not None:
+            described = describe(name)
+            other = index.get(f"{described.element}.gain.imaginary")
+            if (described.quantity, described.component) == ("gain", "real") and other is not None:
                 yield complex(1.0 + self.values[place], self.values[other]), [place, other]
 
     @model_validator(mode="after")

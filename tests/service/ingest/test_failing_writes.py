@@ -182,7 +182,7 @@ def test_a_batch_that_was_in_hand_when_the_database_went_away_is_answered(router
     submissions = Submissions()
     with ExitStack() as until:
         running(router, Blind(plant, Collector()), submissions, until)
-        with pytest.raises(NotStoring, match="went away"):
+        with pytest.raises(NotStoring, match="Exception of PostgreSQL"):
             submissions.offer(KEY.machine, encode_body(batch(), MESSAGEPACK), MESSAGEPACK).result(10.0)
 
 

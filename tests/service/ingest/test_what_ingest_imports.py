@@ -89,6 +89,7 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
                 "estimator.calibration.calibrated_document",
                 "estimator.calibration.calibrated_document.calibrated_document",  # documents made of and compared with others
                 "estimator.calibration.calibrated_document.is_the_same_but_for_calibrations",
+                "estimator.calibration.calibrated_document.with_gain_drift",
                 "estimator.calibration.calibration_runs",
                 "estimator.machine.document",
             },
