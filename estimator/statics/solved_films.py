@@ -68,8 +68,8 @@ class NominalFilms:
             if one is None or not self.train.carried(one.position):
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
-                    f"bearing: are geometry and oil right? {_most_loaded(self.train)}. Below the speed at which films carry, "
-                    "give valid_above_rpm"
+                    f"bearing: are geometry and oil right? {most_loaded_words(self.train)}. Below the speed at which films "
+                    "carry, give valid_above_rpm"
                 )
             found.append(one)
         return tuple(found)
@@ -86,8 +86,15 @@ class NominalFilms:
         return self.train.follow(self.speed)
 
 
-def _most_loaded(train: FilmTrain) -> str:
-    """State which bearing has the highest pressure at rest."""
+def most_loaded_words(train: FilmTrain) -> str:
+    """State which bearing has the highest pressure at rest.
+
+    Args:
+        train: The train on its films.
+
+    Returns:
+        The bearing, its load [N] and pressure [MPa], and what is usual.
+    """
     loads = np.linalg.norm(train.statics.film_force(train.elevation), axis=1)
     pressures = loads / [one.said.diameter * one.said.length for one in train.bearings]
     worst = int(np.argmax(pressures))

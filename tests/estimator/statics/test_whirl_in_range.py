@@ -1,4 +1,4 @@
-"""Documents of trains that would whirl within their own speed range: said with the speed, and what to look at."""
+"""Documents of trains that would whirl or touch within their own speed range: said with the speed, and what to look at."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from estimator.machine.document import parse_machine
-from estimator.statics.whirl_in_range import whirl_words
+from estimator.statics.whirl_in_range import touching_words, whirl_words
 from tests.paths import EXAMPLES
 
 
@@ -37,3 +37,13 @@ def test_a_mode_that_grows_by_cross_coupled_stiffness_is_said() -> None:
 @pytest.mark.parametrize("name", ["motor-pump", "sealed-pump", "rk4-rotor-kit", "turbine-compressor-generator"])
 def test_examples_would_not(name: str) -> None:
     assert whirl_words(parse_machine(document(name))) == ""
+
+
+def test_films_that_do_not_carry_are_said_with_the_bearing_that_carries_most() -> None:
+    said = document("motor-compressor")
+    assert touching_words(parse_machine(said)) == ""
+    said["static_loads"] = [{"id": "gear", "shaft": "S2", "station": 1.46, "force_y": -2.0e6}]
+    words = touching_words(parse_machine(said))
+    assert "r/min a journal would be within a twentieth of the clearance" in words
+    assert "on bearing 'B4' at rest are" in words
+    assert touching_words(parse_machine(document("thesis-chapter-3"))) == ""
