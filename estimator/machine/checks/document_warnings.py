@@ -14,6 +14,8 @@ USUAL_CLEARANCE = (0.0005, 0.0035)
 """Usual ratio of the radial clearance, and of what preload leaves of it, to the journal's radius: others are warned of [-]."""
 HOTTEST_FILM, HOTTEST_INLET = 120.0, 80.0
 """Temperature of a film, and of the oil that comes, above which a warning asks whether °F was meant [°C]."""
+LOBED = ("elliptical", "three_lobe", "four_lobe")
+"""Profiles that are round without preload."""
 USUAL_SLENDERNESS = (0.2, 1.5)
 """Usual ratio of a journal bearing's length to its diameter: others are warned of [-]."""
 USUAL_JOURNAL = (0.8, 1.25)
@@ -139,6 +141,8 @@ def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> 
     if not USUAL_SLENDERNESS[0] <= slender <= USUAL_SLENDERNESS[1]:
         words = f"{film.length:g} m is {slender:.2g} times the diameter, {film.diameter:g} m"
         yield "length", f"{words}: usual is 0.3 to 1.2 times"
+    if film.preload == 0.0 and film.profile in LOBED:
+        yield "preload", f"the bore of a {film.profile} bearing without preload is round: usual is 0.3 to 0.6"
     yield from _odd_oil(film.oil)
     if not any(USUAL_JOURNAL[0] <= film.diameter / one <= USUAL_JOURNAL[1] for one in shaft):
         thick = " or ".join(f"{one:g}" for one in shaft)

@@ -75,6 +75,11 @@ def test_an_elevation_beyond_the_clearance_is_named(axis: str) -> None:
             "113 °C: oil is hardly ever above 80 °C there; was 113 °F meant, 45 °C?",
         ),
         (
+            lambda said: said["bearings"][3]["film"].update(profile="four_lobe"),
+            "bearings[3].film.preload",
+            "the bore of a four_lobe bearing without preload is round: usual is 0.3 to 0.6",
+        ),
+        (
             lambda said: said["bearings"][3]["film"].update(valid_above_rpm=5000.0),
             "bearings[3].film.valid_above_rpm",
             "5000 r/min is not below the end of the speed range, 4692 r/min: no sample would be left",
