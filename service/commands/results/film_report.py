@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.alignment.stability_margin import LEAST_DECREMENT, stability_margin
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import reported_rpm
@@ -105,6 +106,18 @@ def identified_films(model: UpdatedModel) -> Iterator[str]:
             if one is not None:
                 said.append(f"{scale * one.value:{wide}} ± {scale * CONFIDENCE_95 * one.error:{narrow}}".ljust(18))
         yield f"  {bearing.id:<10} {''.join(said)}".rstrip()
+
+
+def identified_stability(model: UpdatedModel) -> Iterator[str]:
+    """Yield how well the least damped whirl of the identified train decays; nothing of a train without films."""
+    found = stability_margin(model)
+    if found is None:
+        return
+    yield (
+        f"Stability as identified, at {rad_per_s_to_rpm(found.speed):.0f} r/min: least damped mode below it "
+        f"{rad_per_s_to_rpm(found.frequency):.0f} cycles per minute, log decrement {found.log_decrement:.3f} ± "
+        f"{CONFIDENCE_95 * found.error:.3f}; API 617 asks for {LEAST_DECREMENT:g}"
+    )
 
 
 def film_warning(machine: Machine) -> str:

@@ -2,11 +2,12 @@
 
 import pytest
 
+from estimator.alignment.stability_margin import stability_margin
 from estimator.machine.document import Machine
 from estimator.machine.films import StaticLoad
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import expected_model
-from service.commands.results.film_report import film_text, identified_films
+from service.commands.results.film_report import film_text, identified_films, identified_stability
 from tests.estimator.models import rich_model
 from tests.estimator.statics.films import between_two_bearings
 from tests.estimator.updated_model.test_film_results import machine_of, uncertain
@@ -53,4 +54,15 @@ def test_each_film_is_told_as_identified_with_half_its_interval() -> None:
 
 def test_a_train_without_films_has_no_such_report() -> None:
     assert not list(identified_films(rich_model()))
+    assert not list(identified_stability(rich_model()))
     assert list(identified_films(expected_model(machine_of())))
+
+
+def test_the_identified_train_has_its_stability_told_with_half_its_interval() -> None:
+    model = uncertain(machine_of())
+    margin = stability_margin(model)
+    assert margin is not None
+    (said,) = identified_stability(model)
+    assert "at 3000 r/min" in said
+    told = said.partition("log decrement ")[2].split(";")[0].split(" ± ")
+    assert [float(one) for one in told] == pytest.approx([margin.log_decrement, 1.96 * margin.error], abs=6e-4)
