@@ -10,7 +10,7 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, slowest_rpm
 from estimator.modes.eigenmodes import OSCILLATING, damping_ratio
 from estimator.rotor.modal_reduction import modal_basis
-from estimator.rotor.system_matrices import system_matrices
+from estimator.rotor.system_matrices import system_matrices_over_speed
 from estimator.statics.equilibrium import film_train
 from estimator.statics.film_model import film_model
 from estimator.statics.film_stability import whirl_onset
@@ -30,14 +30,12 @@ def whirl_words(machine: Machine) -> str:
         machine: The machine.
 
     Returns:
-        The words; empty where no mode grows, or where coefficients follow the speed otherwise than by films.
+        The words; empty where no mode grows.
     """
     if follows_films(machine):
         return _of_films(machine)
-    if any(one.speed_dependence is not None for one in (*machine.bearings, *machine.couplings)):
-        return ""
     spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    matrices = system_matrices(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))
+    matrices = system_matrices_over_speed(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))(spin)
     roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * spin))
     roots = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= HIGHEST_MODE * spin)]
     if roots.size == 0 or (least := float(damping_ratio(roots).min())) >= GROWING:

@@ -34,6 +34,20 @@ def test_a_mode_that_grows_by_cross_coupled_stiffness_is_said() -> None:
     assert "a mode would grow (damping ratio -" in whirl_words(parse_machine(said))
 
 
+def test_a_makers_table_is_judged_by_its_values_at_the_highest_speed() -> None:
+    said = document("thesis-chapter-3")
+    speeds = [300.0, 1200.0, 2100.0, 3000.0, 3600.0]
+    for bearing in said["bearings"]:
+        direct = bearing["kxx"]
+        grows = [0.0, 0.0, 0.0, 0.0, 3.0 * direct]
+        bearing["speed_dependence"] = {"form": "table", "speed_rpm": speeds, "kxy": grows, "kyx": [-one for one in grows]}
+        del bearing["kxy"], bearing["kyx"]
+    assert "a mode would grow (damping ratio -" in whirl_words(parse_machine(said))
+    for bearing in said["bearings"]:
+        bearing["speed_dependence"] |= {"kxy": [0.0] * 5, "kyx": [0.0] * 5}
+    assert whirl_words(parse_machine(said)) == ""
+
+
 @pytest.mark.parametrize("name", ["motor-pump", "sealed-pump", "rk4-rotor-kit", "turbine-compressor-generator"])
 def test_examples_would_not(name: str) -> None:
     assert whirl_words(parse_machine(document(name))) == ""
