@@ -61,8 +61,13 @@ class NominalFilms:
         """Return the equilibria at these speeds.
 
         Raises:
-            FilmTooThin: There is none at a speed.
+            FilmTooThin: There is none at a speed, or the range holds no speed at which all films carry.
         """
+        if self.slowest >= self.fastest:
+            raise FilmTooThin(
+                f"valid_above_rpm of a film is {rad_per_s_to_rpm(self.slowest):.0f} r/min, and the speed range ends at "
+                f"{rad_per_s_to_rpm(self.fastest):.0f} r/min: at no speed of it all films carry"
+            )
         found = []
         for speed, one in zip(self.speed.tolist(), self._followed(), strict=True):
             if one is None or not self.train.carried(one.position):

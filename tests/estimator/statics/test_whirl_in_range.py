@@ -61,3 +61,10 @@ def test_films_that_do_not_carry_are_said_with_the_bearing_that_carries_most() -
     assert "r/min a journal would be within a twentieth of the clearance" in words
     assert "on bearing 'B4' at rest are" in words
     assert touching_words(parse_machine(document("thesis-chapter-3"))) == ""
+
+
+@pytest.mark.parametrize("rpm", [4600.0, 5000.0])
+def test_films_that_carry_at_no_speed_of_the_range_are_said(rpm: float) -> None:
+    said = document("motor-compressor")
+    said["bearings"][1]["film"]["valid_above_rpm"] = rpm
+    assert touching_words(parse_machine(said)).startswith(f"valid_above_rpm of a film is {rpm:.0f} r/min")
