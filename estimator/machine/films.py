@@ -86,11 +86,15 @@ class JournalFilm(Part):
     )
     profile: Profile = Field(default="plain", description="round, with grooves or lobes, or with tilting pads")
     preload: Annotated[float, Within(ge=0, lt=1)] = Field(
-        default=0.0, description="of each lobe or tilting pad [-]; 0 for round profiles"
+        default=0.0, description="of each lobe or tilting pad [-]; 0 for round profiles, usually 0.3 to 0.6 for lobed ones"
     )
     pads: TiltingPads | None = Field(default=None, description="of profile tilting_pad, which needs them")
     groove_deg: Annotated[float, Within(gt=0, lt=85)] = Field(default=20.0, description="width of each axial groove [°]")
-    turned_deg: Angle = Field(default=0.0, description="angle by which the profile is turned from +x to +y [°]")
+    turned_deg: Angle = Field(
+        default=0.0,
+        description="angle by which the profile is turned from +x to +y [°]; not turned, grooves of two_axial_grooves and "
+        "elliptical lie horizontally, a lobe of three_lobe below the journal, and a groove of four_lobe",
+    )
     oil: Oil
     elevation_x: Real = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
     elevation_y: Real = Field(default=0.0, description="centre over its aligned place, vertical [m]")

@@ -13,6 +13,8 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from estimator.machine.parts import Coupling
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
 from estimator.statics.film_model import FilmModel, film_model
 from estimator.statics.film_stability import least_damped_whirl
 
@@ -161,7 +163,7 @@ def draw_films(machine: Machine, stiffness: Mapping[str, float], rng: np.random.
     for _ in range(MOST_DRAWS):
         drawn = centre + part * spread * rng.standard_normal(centre.size)
         found = SimulatedFilms(model, np.concatenate([given, drawn])).with_stiffness(stiffness)
-        if _runs(machine, found):
+        if _runs(machine, found, stiffness):
             return found
     raise ValueError(f"to simulate '{machine.id}': of {MOST_DRAWS} draws of its films none runs without whirling")
 
@@ -173,8 +175,14 @@ def _drawn_part(parameter: ModelParameter) -> float:
     return min(DRAWN, DRAWN_ELEVATION / parameter.step) if parameter.quantity == "elevation" else DRAWN
 
 
-def _runs(machine: Machine, films: SimulatedFilms) -> bool:
-    """Return whether films carry their journals and damp all modes at the highest speed."""
+def _runs(machine: Machine, films: SimulatedFilms, stiffness: Mapping[str, float]) -> bool:
+    """Return whether films carry their journals and, as they deviate from their model, damp all modes at the highest speed."""
     found = films.model.films.equilibria(films.fitted)
-    mode = None if found is None else least_damped_whirl(machine, found[-1])
+    if found is None:
+        return False
+    there = films.over_speed(np.array([found[-1].speed]))[0]
+    true = {**stiffness, **dict(zip(films.coefficients, there.tolist(), strict=True))}
+    listed = unknowns(machine, assemble_rotor(machine)).coefficients
+    coefficients = np.array([true.get(one.name, one.expected) for one in listed])
+    mode = least_damped_whirl(machine, found[-1], coefficients=coefficients)
     return mode is not None and mode.log_decrement > LEAST_DECREMENT

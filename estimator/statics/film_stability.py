@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from estimator.modes.eigenmodes import OSCILLATING, damping_ratio, log_decrement
 from estimator.rotor.modal_reduction import modal_basis
@@ -36,7 +37,9 @@ class LeastDampedWhirl:
     log_decrement: float
 
 
-def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastDampedWhirl | None:
+def least_damped_whirl(
+    machine: Machine, equilibrium: FilmEquilibrium, *, coefficients: Floats | None = None
+) -> LeastDampedWhirl | None:
     """Solve for the least damped mode at an equilibrium; pads that tilt are degrees of freedom of their own.
 
     Source: Lund, J. Tribol. 109 (1987) 37, pads by J. W. Lund, ASLE Trans. 7 (1964) 342, doi:10.1080/05698196408972064.
@@ -44,13 +47,15 @@ def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastD
     Args:
         machine: The machine.
         equilibrium: Its equilibrium at a speed.
+        coefficients: Coefficients (K,) of the machine at that speed, of films that deviate from their model [SI]. None for
+            those of the equilibrium.
 
     Returns:
         The mode; None where none oscillates in the range of interest.
     """
     highest = HIGHEST_MODE * equilibrium.speed
     basis = modal_basis(machine, highest)
-    roots = np.linalg.eigvals(state_matrix_with_pads(machine, equilibrium, basis))
+    roots = np.linalg.eigvals(state_matrix_with_pads(machine, equilibrium, basis, coefficients=coefficients))
     slow = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= highest)]
     if slow.size == 0:
         return None

@@ -66,15 +66,20 @@ class NominalFilms:
         Source: Pennacchi, Vania and Chatterton, Mech. Syst. Signal Process. 30 (2012) 306.
 
         Raises:
-            FilmTooThin: There is none at a speed.
+            FilmTooThin: There is none at a speed, or the range holds no speed at which all films carry.
         """
+        if self.slowest >= self.fastest:
+            raise FilmTooThin(
+                f"valid_above_rpm of a film is {rad_per_s_to_rpm(self.slowest):.0f} r/min, and the speed range ends at "
+                f"{rad_per_s_to_rpm(self.fastest):.0f} r/min: at no speed of it all films carry"
+            )
         found = []
         for speed, one in zip(self.speed.tolist(), self._followed(), strict=True):
             if one is None or not self.train.carried(one.position):
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
-                    f"bearing: are geometry and oil right? {_most_loaded(self.train)}. Below the speed at which films carry, "
-                    "give valid_above_rpm"
+                    f"bearing: are geometry and oil right? {most_loaded_words(self.train)}. Below the speed at which films "
+                    "carry, give valid_above_rpm"
                 )
             found.append(one)
         return tuple(found)
@@ -91,8 +96,15 @@ class NominalFilms:
         return self.train.follow(self.speed)
 
 
-def _most_loaded(train: FilmTrain) -> str:
-    """State which bearing has the highest pressure at rest."""
+def most_loaded_words(train: FilmTrain) -> str:
+    """State which bearing has the highest pressure at rest.
+
+    Args:
+        train: The train on its films.
+
+    Returns:
+        The bearing, its load [N] and pressure [MPa], and what is usual.
+    """
     loads = np.linalg.norm(train.statics.film_force(train.elevation), axis=1)
     pressures = loads / [one.described.diameter * one.described.length for one in train.bearings]
     worst = int(np.argmax(pressures))

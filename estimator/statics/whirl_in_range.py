@@ -1,4 +1,4 @@
-"""Tells whether a train as its document describes it would whirl at a speed that it is watched at.
+"""Tells whether a train as its document describes it would whirl, or its journals touch, at a speed that it is watched at.
 
 By the eigenvalues at its highest speed (Lund, J. Eng. Ind. 96 (1974) 509), of the modes in range; of films, by those at their
 equilibria (`film_stability`).
@@ -10,9 +10,11 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, slowest_rpm
 from estimator.modes.eigenmodes import OSCILLATING, damping_ratio
 from estimator.rotor.modal_reduction import modal_basis
-from estimator.rotor.system_matrices import system_matrices
+from estimator.rotor.system_matrices import system_matrices_over_speed
 from estimator.statics.equilibrium import film_train
+from estimator.statics.film_model import film_model
 from estimator.statics.film_stability import whirl_onset
+from estimator.statics.solved_films import FilmTooThin
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 HIGHEST_MODE = 2.0
@@ -30,14 +32,12 @@ def whirl_words(machine: Machine) -> str:
         machine: The machine.
 
     Returns:
-        The words; empty where no mode grows, or where coefficients follow the speed otherwise than by films.
+        The words; empty where no mode grows.
     """
     if follows_films(machine):
         return _of_films(machine)
-    if any(one.speed_dependence is not None for one in (*machine.bearings, *machine.couplings)):
-        return ""
     spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    matrices = system_matrices(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))
+    matrices = system_matrices_over_speed(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))(spin)
     roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * spin))
     roots = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= HIGHEST_MODE * spin)]
     if roots.size == 0 or (least := float(damping_ratio(roots).min())) >= GROWING:
@@ -46,6 +46,24 @@ def whirl_words(machine: Machine) -> str:
         f"at {machine.speed_range.maximum_rpm:g} r/min a mode would grow (damping ratio {least:.2g}), so that the train could "
         "not run there: usual is more than 0.01; are damping and cross-coupled stiffness right?"
     )
+
+
+def touching_words(machine: Machine) -> str:
+    """State that films of the document do not carry their journals within its own speed range; new films take seconds.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The words, with the most loaded bearing; empty where all carry, or where nothing follows films.
+    """
+    if not follows_films(machine):
+        return ""
+    try:
+        film_model(machine).nominal.equilibria  # noqa: B018  solved where it is asked for
+    except FilmTooThin as error:
+        return str(error)
+    return ""
 
 
 def _of_films(machine: Machine) -> str:

@@ -46,25 +46,25 @@ def check(
 ) -> None:
     """Check a machine document, and recorded runs against it: what they hold, and what is probably a mistake.
 
-    A train that would whirl within its speed range is warned of; on oil films that takes some seconds. Ends with status 1
-    where something is wrong; a warning is none.
+    A train that would whirl, or whose journals would touch, within its speed range is warned of; on oil films that takes
+    some seconds. Ends with status 1 where something is wrong; a warning is none.
     """
     from estimator.errors import Invalid
     from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
-    from service.commands.results.film_report import whirl_warning
+    from service.commands.results.film_report import film_warning
 
     try:
         described = read_machine(machine)
     except WrongMachine as error:
         fail(str(error))
     warnings = document_warnings(described)
-    with working("looking whether the train would whirl"):
+    with working("looking whether the films carry and the train would whirl"):
         try:
-            whirling = whirl_warning(described)
+            unfit = film_warning(described)
         except Invalid as error:  # nothing carries a shaft, for example
-            whirling = str(error)
-    warnings += (DocumentWarning("bearings", whirling),) if whirling else ()
+            unfit = str(error)
+    warnings += (DocumentWarning("bearings", unfit),) if unfit else ()
     for warning in warnings:
         print_line(f"warning: {warning}", err=True)
     parts = (

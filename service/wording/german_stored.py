@@ -443,6 +443,14 @@ GERMAN_STORED: Mapping[str, str] = {
         "{clearance} µm ist das {part}-Fache des Radius, {radius} m: üblich ist das 0,001- bis 0,002-Fache, die halbe "
         "Differenz der Durchmesser"
     ),
+    "{value} °C: oil is hardly ever above {hottest} °C there": "{value} °C: Öl ist dort kaum je wärmer als {hottest} °C",
+    "the bore of a {profile} bearing without preload is round: usual is 0.3 to 0.6": (
+        "die Bohrung eines Lagers der Form {profile} ist ohne Vorspannung rund: üblich ist 0,3 bis 0,6"
+    ),
+    "was {value} °F meant, {celsius} °C?": "waren {value} °F gemeint, {celsius} °C?",
+    "{speed} r/min is not below the end of the speed range, {fastest} r/min: no sample would be left": (
+        "{speed} 1/min liegt nicht unter dem Ende des Drehzahlbereichs, {fastest} 1/min: keine Messung bliebe übrig"
+    ),
     "{length} m is {part} times the diameter, {diameter} m: usual is 0.3 to 1.2 times": (
         "{length} m ist das {part}-Fache des Durchmessers, {diameter} m: üblich ist das 0,3- bis 1,2-Fache"
     ),

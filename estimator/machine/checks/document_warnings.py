@@ -5,20 +5,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from estimator.machine.document import Machine
-from estimator.machine.films import JournalFilm
+from estimator.machine.films import JournalFilm, Oil
 from estimator.machine.part_coefficients import ELEMENTS
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
 
 LEAST_DENSITY = 500.0
 """Density of a shaft below which a warning asks whether g/cm³ was meant [kg/m³]."""
-USUAL_CLEARANCE = (0.0005, 0.005)
-"""Usual ratio of the radial clearance to the journal's radius: others are warned of [-]."""
+USUAL_CLEARANCE = (0.0005, 0.0035)
+"""Usual ratio of the radial clearance, and of what preload leaves of it, to the journal's radius: others are warned of [-]."""
+HOTTEST_FILM, HOTTEST_INLET = 120.0, 80.0
+"""Temperature of a film, and of the oil that comes, above which a warning asks whether °F was meant [°C]."""
+LOBED = ("elliptical", "three_lobe", "four_lobe")
+"""Profiles that are round without preload."""
 USUAL_SLENDERNESS = (0.2, 1.5)
 """Usual ratio of a journal bearing's length to its diameter: others are warned of [-]."""
 USUAL_JOURNAL = (0.8, 1.25)
 """Usual ratio of a journal's diameter to that of its shaft there: others are warned of [-]."""
-USUAL_OIL_C = (30.0, 110.0)
-"""Usual temperatures of oil in a film: hotter ones, of which many are meant in °F, are warned of [°C]."""
 USUAL_VISCOSITY = (0.002, 0.2)
 """Usual dynamic viscosity of the oil in a film: others are warned of [Pa s]."""
 LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
@@ -137,29 +139,40 @@ def _odd_films(machine: Machine) -> Iterator[DocumentWarning]:
             shaft = _diameters(machine.shaft(bearing.shaft), bearing.station)
             for name, words in _odd_film(bearing, bearing.film, shaft):
                 yield DocumentWarning(f"bearings[{number}].film.{name}", words)
+            lifted, fastest = bearing.film.valid_above_rpm, machine.speed_range.maximum_rpm
+            if lifted >= fastest:
+                words = f"{lifted:g} r/min is not below the end of the speed range, {fastest:g} r/min: no sample would be left"
+                yield DocumentWarning(f"bearings[{number}].film.valid_above_rpm", words)
 
 
 def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> Iterator[tuple[str, str]]:
     """Yield fields of a film, on a shaft of these diameters [m], with what is odd about them."""
     radius = film.diameter / 2
     part = film.radial_clearance / radius
-    if not USUAL_CLEARANCE[0] <= part <= USUAL_CLEARANCE[1]:
+    if part < USUAL_CLEARANCE[0] or (1.0 - film.preload) * part > USUAL_CLEARANCE[1]:
         words = f"{_micrometres(film.radial_clearance)} is {part:.2g} of the radius, {radius:g} m"
         yield "radial_clearance", f"{words}: usual is 0.001 to 0.002 of it, half the difference of the diameters"
     slender = film.length / film.diameter
     if not USUAL_SLENDERNESS[0] <= slender <= USUAL_SLENDERNESS[1]:
         words = f"{film.length:g} m is {slender:.2g} times the diameter, {film.diameter:g} m"
         yield "length", f"{words}: usual is 0.3 to 1.2 times"
-    viscosity = film.oil.viscosity
-    if viscosity is not None and not USUAL_VISCOSITY[0] <= viscosity <= USUAL_VISCOSITY[1]:
-        yield "oil.viscosity", f"{viscosity:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
-    for field, degrees in (("temperature_c", film.oil.temperature_c), ("inlet_c", film.oil.inlet_c)):
-        if degrees is not None and degrees > USUAL_OIL_C[1]:
-            yield f"oil.{field}", f"{degrees:g} °C: usual is {USUAL_OIL_C[0]:g} to {USUAL_OIL_C[1]:g}"
+    if film.preload == 0.0 and film.profile in LOBED:
+        yield "preload", f"the bore of a {film.profile} bearing without preload is round: usual is 0.3 to 0.6"
+    yield from _odd_oil(film.oil)
     if not any(USUAL_JOURNAL[0] <= film.diameter / one <= USUAL_JOURNAL[1] for one in shaft):
         thick = " or ".join(f"{one:g}" for one in shaft)
         words = f"{film.diameter:g} m, but shaft '{bearing.shaft}' is {thick} m thick at station {bearing.station:g} m"
         yield "diameter", f"{words}: the journal is that part of the shaft"
+
+
+def _odd_oil(oil: Oil) -> Iterator[tuple[str, str]]:
+    """Yield fields of a film's oil with what is odd about them."""
+    if oil.viscosity is not None and not USUAL_VISCOSITY[0] <= oil.viscosity <= USUAL_VISCOSITY[1]:
+        yield "oil.viscosity", f"{oil.viscosity:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
+    for name, value, hottest in (("temperature_c", oil.temperature_c, HOTTEST_FILM), ("inlet_c", oil.inlet_c, HOTTEST_INLET)):
+        if value is not None and value > hottest:
+            words = f"{value:g} °C: oil is hardly ever above {hottest:g} °C there"
+            yield f"oil.{name}", f"{words}; was {value:g} °F meant, {(value - 32.0) / 1.8:.0f} °C?"
 
 
 def _diameters(shaft: Shaft, station: float) -> tuple[float, ...]:

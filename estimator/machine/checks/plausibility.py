@@ -15,6 +15,8 @@ SMALLEST_STIFFNESS = 1e3
 """Smallest direct stiffness of a bearing or pedestal [N/m]: one that sinks by a millimetre under 0.1 kg."""
 LARGEST_VISCOSITY = 2.0
 """Largest viscosity of an oil film [Pa s]: three times that of the thickest grade at 40 °C."""
+LARGEST_ELEVATION, LARGEST_IN_MILLIMETRES = 0.01, 1.0
+"""Largest elevation of a bearing over its aligned place, and largest number that is one in mm and not in µm [m]."""
 SLENDERNESS = (0.05, 20.0)
 """Least and largest length over diameter of a journal bearing [-]."""
 
@@ -55,6 +57,10 @@ def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
         if value > LARGEST_DIAMETER:
             yield name, f"{value:g} m: usual is 0.02 to 1 m; was {value:g} mm meant?"
             return
+    for name, value in (("elevation_x", film.elevation_x), ("elevation_y", film.elevation_y)):
+        if abs(value) > LARGEST_ELEVATION:
+            meant = "mm" if abs(value) <= LARGEST_IN_MILLIMETRES else "µm"
+            yield name, f"{value:g} m over the aligned place: usual is up to 0.0005 m; was {value:g} {meant} meant?"
     least, largest = SLENDERNESS
     if not least <= film.length / film.diameter <= largest:
         slender = f"{film.length:g} m is {film.length / film.diameter:.3g} times the diameter, {film.diameter:g} m"

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from estimator.alignment.stability_margin import LEAST_DECREMENT, stability_margin
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_stability import LeastDampedWhirl, least_damped_whirl, whirl_onset
-from estimator.statics.whirl_in_range import whirl_words
+from estimator.statics.solved_films import most_loaded_words
+from estimator.statics.whirl_in_range import touching_words, whirl_words
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import UpdatedModel
@@ -106,9 +108,21 @@ def identified_films(model: UpdatedModel) -> Iterator[str]:
         yield f"  {bearing.id:<10} {''.join(said)}".rstrip()
 
 
-def whirl_warning(machine: Machine) -> str:
-    """State that the document describes a train that whirls within its own speed range; empty where it does not."""
-    return whirl_words(machine)
+def identified_stability(model: UpdatedModel) -> Iterator[str]:
+    """Yield how well the least damped whirl of the identified train decays; nothing of a train without films."""
+    found = stability_margin(model)
+    if found is None:
+        return
+    yield (
+        f"Stability as identified, at {rad_per_s_to_rpm(found.speed):.0f} r/min: least damped mode below it "
+        f"{rad_per_s_to_rpm(found.frequency):.0f} cycles per minute, log decrement {found.log_decrement:.3f} ± "
+        f"{CONFIDENCE_95 * found.error:.3f}; API 617 asks for {LEAST_DECREMENT:g}"
+    )
+
+
+def film_warning(machine: Machine) -> str:
+    """State that the document describes a train that would touch or whirl within its own speed range; empty where not."""
+    return touching_words(machine) or whirl_words(machine)
 
 
 def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
@@ -118,7 +132,10 @@ def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[
     )
     for rpm, found in _equilibria(machine, train, service_rpm):
         if not found:
-            yield f"  at {rpm:g} r/min: no equilibrium with films of at least a twentieth of the clearance; the journals touch"
+            yield (
+                f"  at {rpm:g} r/min: no equilibrium with films of at least a twentieth of the clearance; the journals touch: "
+                f"{most_loaded_words(train)}"
+            )
             continue
         if len(found) > 1:
             yield f"  at {rpm:g} r/min there are {len(found)} equilibria; which one holds depends on how the train came there"
@@ -160,8 +177,15 @@ def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Ite
         yield (
             f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {one.specific_pressure / MEGAPASCAL:7.3f} "
             f"{one.eccentricity:6.3f} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
-            f"{1e6 * one.thinnest_film:7.1f} {one.sommerfeld:8.3f}{'  lifted by other means here' if one.lifted else ''}"
+            f"{1e6 * one.thinnest_film:7.1f} {one.sommerfeld:8.3f}{_remark(one)}"
         )
+
+
+def _remark(one: JournalState) -> str:
+    """Return what is unusual about a journal's state, behind its numbers."""
+    if one.lifted:
+        return "  lifted by other means here"
+    return "  pressed upwards" if one.load_y < 0.0 and abs(one.load_y) > abs(one.load_x) else ""
 
 
 def _whirl(machine: Machine, train: FilmTrain, service_rpm: float) -> tuple[LeastDampedWhirl | None, float | None]:
@@ -177,6 +201,9 @@ def _highest_rpm(machine: Machine) -> float:
 
 
 def _stability(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
+    if train.equilibrium(rpm_to_rad_per_s(service_rpm)) is None:
+        yield f"Stability is not judged: without an equilibrium at {service_rpm:g} r/min there are no coefficients"
+        return
     mode, onset = _whirl(machine, train, service_rpm)
     if mode is None:
         yield f"Stability at {service_rpm:g} r/min: no mode to judge"

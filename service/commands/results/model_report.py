@@ -15,7 +15,7 @@ from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.impact_comparison import compare_impact_test, measured_frequencies
 from estimator.updated_model.modal_uncertainty import critical_speed_errors
 from estimator.updated_model.model import UpdatedModel
-from service.commands.results.film_report import identified_films
+from service.commands.results.film_report import identified_films, identified_stability
 
 HIGHEST_ABOVE_TRIP = 1.25
 """Highest speed of the search for critical speeds, as a multiple of the speed range's end."""
@@ -29,6 +29,7 @@ def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
     speed = rpm_to_rad_per_s(service_rpm)
     parts = (
         identified_films(model),
+        identified_stability(model),
         _critical_speeds(model),
         _peaks(model, speed),
         _coupling_loads(model, speed),

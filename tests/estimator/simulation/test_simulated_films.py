@@ -10,6 +10,8 @@ from estimator.fit.identification import Options
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
+from estimator.rotor.modal_reduction import modal_basis
+from estimator.rotor.system_matrices import system_matrices
 from estimator.simulation.simulated_films import SETTLEMENT, VISCOSITY_SCATTER
 from estimator.simulation.simulated_plant import (
     Truth,
@@ -20,6 +22,7 @@ from estimator.simulation.simulated_plant import (
     truth_of_run,
     truth_under_conditions,
 )
+from estimator.units import rpm_to_rad_per_s
 from tests.paths import EXAMPLES
 
 
@@ -79,3 +82,15 @@ def test_oil_scatters_from_run_to_run_and_thins_when_it_is_warm() -> None:
     usual = np.array([50.0])
     cool, warm = (truth_under_conditions(truth(), motor_compressor(), usual + rise) for rise in (0.0, 10.0))
     assert np.log(values(warm, "viscosity") / values(cool, "viscosity")) == pytest.approx(-0.03)
+
+
+@pytest.mark.parametrize("seed", [9, 14])  # whose first draws would whirl, by what their films deviate from the model
+def test_no_mode_of_a_drawn_machine_grows_with_the_films_that_it_has(seed: int) -> None:
+    machine, drawn = motor_compressor(), truth(seed)
+    assert drawn.films is not None
+    spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    films = dict(zip(drawn.films.coefficients, drawn.films.over_speed(np.array([spin]))[0], strict=True))
+    listed = zip(drawn.unknowns.coefficients, drawn.coefficients, strict=True)
+    coefficients = np.array([films.get(one.name, value) for one, value in listed])
+    matrices = system_matrices(machine, coefficients=coefficients, basis=modal_basis(machine, 2.0 * spin))
+    assert np.linalg.eigvals(matrices.state_matrix(spin=spin)).real.max() < 0.0

@@ -1,4 +1,4 @@
-"""Documents of trains that would whirl within their own speed range: said with the speed, and what to look at."""
+"""Documents of trains that would whirl or touch within their own speed range: said with the speed, and what to look at."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from estimator.machine.document import parse_machine
-from estimator.statics.whirl_in_range import whirl_words
+from estimator.statics.whirl_in_range import touching_words, whirl_words
 from tests.paths import EXAMPLES
 
 
@@ -34,6 +34,37 @@ def test_a_mode_that_grows_by_cross_coupled_stiffness_is_said() -> None:
     assert "a mode would grow (damping ratio -" in whirl_words(parse_machine(said))
 
 
+def test_a_makers_table_is_judged_by_its_values_at_the_highest_speed() -> None:
+    said = document("thesis-chapter-3")
+    speeds = [300.0, 1200.0, 2100.0, 3000.0, 3600.0]
+    for bearing in said["bearings"]:
+        direct = bearing["kxx"]
+        grows = [0.0, 0.0, 0.0, 0.0, 3.0 * direct]
+        bearing["speed_dependence"] = {"form": "table", "speed_rpm": speeds, "kxy": grows, "kyx": [-one for one in grows]}
+        del bearing["kxy"], bearing["kyx"]
+    assert "a mode would grow (damping ratio -" in whirl_words(parse_machine(said))
+    for bearing in said["bearings"]:
+        bearing["speed_dependence"] |= {"kxy": [0.0] * 5, "kyx": [0.0] * 5}
+    assert whirl_words(parse_machine(said)) == ""
+
+
 @pytest.mark.parametrize("name", ["motor-pump", "sealed-pump", "rk4-rotor-kit", "turbine-compressor-generator"])
 def test_examples_would_not(name: str) -> None:
     assert whirl_words(parse_machine(document(name))) == ""
+
+
+def test_films_that_do_not_carry_are_said_with_the_bearing_that_carries_most() -> None:
+    said = document("motor-compressor")
+    assert touching_words(parse_machine(said)) == ""
+    said["static_loads"] = [{"id": "gear", "shaft": "S2", "station": 1.46, "force_y": -2.0e6}]
+    words = touching_words(parse_machine(said))
+    assert "r/min a journal would be within a twentieth of the clearance" in words
+    assert "on bearing 'B4' at rest are" in words
+    assert touching_words(parse_machine(document("thesis-chapter-3"))) == ""
+
+
+@pytest.mark.parametrize("rpm", [4600.0, 5000.0])
+def test_films_that_carry_at_no_speed_of_the_range_are_said(rpm: float) -> None:
+    said = document("motor-compressor")
+    said["bearings"][1]["film"]["valid_above_rpm"] = rpm
+    assert touching_words(parse_machine(said)).startswith(f"valid_above_rpm of a film is {rpm:.0f} r/min")

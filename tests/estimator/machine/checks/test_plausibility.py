@@ -53,6 +53,8 @@ def test_the_thesis_train_is_plausible() -> None:
         ({"diameter": 80.0}, "diameter", "80 m: usual is 0.02 to 1 m; was 80 mm meant"),
         ({"length": 40.0}, "length", "40 m: usual is 0.02 to 1 m; was 40 mm meant"),
         ({"length": 0.002}, "length", "0.002 m is 0.025 times the diameter, 0.08 m: usual is 0.3 to 1.2 times"),
+        ({"elevation_y": 0.1}, "elevation_y", "0.1 m over the aligned place: usual is up to 0.0005 m; was 0.1 mm meant"),
+        ({"elevation_x": -50.0}, "elevation_x", "-50 m over the aligned place: usual is up to 0.0005 m; was -50 µm meant"),
         ({"oil": {"viscosity": 9.0}}, "oil.viscosity", "9 Pa s: usual is 0.005 to 0.1 Pa s; was 9 mPa s"),
     ],
 )
