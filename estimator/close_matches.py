@@ -21,6 +21,19 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     Returns:
         The clause, beginning with a semicolon; empty where no name is close.
     """
-    least = SHORT_LIKENESS if len(name) <= SHORT else LIKENESS
-    matches = difflib.get_close_matches(name, list(known), n=MOST_MATCHES, cutoff=least)
+    matches = close_names(name, known)
     return f"; did you mean {' or '.join(repr(one) for one in matches)}?" if matches else ""
+
+
+def close_names(name: str, known: Iterable[str]) -> list[str]:
+    """Return the names that are like the one given, the closest first.
+
+    Args:
+        name: The name.
+        known: Names to choose from.
+
+    Returns:
+        At most `MOST_MATCHES` of them.
+    """
+    least = SHORT_LIKENESS if len(name) <= SHORT else LIKENESS
+    return difflib.get_close_matches(name, list(known), n=MOST_MATCHES, cutoff=least)

@@ -9,7 +9,7 @@ import yaml
 
 from estimator.calibration.calibrate import Calibrated, with_named_senses
 from estimator.calibration.calibrate import calibrate as calibrate_runs
-from estimator.calibration.calibrated_document import with_gain_drift
+from estimator.calibration.calibrated_document import require_gain_drift, with_gain_drift
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from formats.files.document_files import UnreadableFile
@@ -100,6 +100,7 @@ def calibrate(
     if wrong:
         raise NotCalibrated(f"a recording is a {wrong[0]}: give paths of files, whose sidecars state the weights")
     try:
+        require_gain_drift(gain_drift)
         runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
         with one_blas_thread():
             found = calibrate_runs(machine, runs, seed=seed)

@@ -51,6 +51,11 @@ def known_name(name: str) -> str:
     return plain[: len(plain) - len(end)] + end
 
 
+def is_known_name(name: str) -> bool:
+    """Return whether a column's name says what it holds."""
+    return name in (*SPEED_COLUMNS, *TIME_COLUMNS) or name.endswith((*AMPLITUDE_ENDS, *PHASE_ENDS, GAP_END))
+
+
 def require_different(names: Sequence[str]) -> None:
     """Raise WrongRun where a name stands twice."""
     twice = next((name for i, name in enumerate(names) if name in names[:i]), None)

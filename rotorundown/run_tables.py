@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Struct
 
 from estimator.arrays import Floats
-from estimator.close_matches import did_you_mean
+from estimator.close_matches import close_names, did_you_mean
 from estimator.machine.document import Machine
 from estimator.units import (
     METRES,
@@ -32,6 +32,7 @@ from rotorundown.run_columns import (
     TIME_COLUMNS,
     WrongRun,
     columns_of,
+    is_known_name,
     known_name,
     require_different,
 )
@@ -176,8 +177,10 @@ class RunTable(Struct, frozen=True, eq=False):
     def _first(self, names: tuple[str, ...], what: str) -> str:
         found = [name for name in names if name in self.columns]
         if not found:
-            close = did_you_mean(names[0], self.columns)
-            raise WrongRun(f"no column holds {what}: name it {' or '.join(names)}; there are {', '.join(self.columns)}{close}")
+            unknown = [one for one in self.columns if not is_known_name(one)]
+            close = dict.fromkeys(one for name in names for one in close_names(name, unknown))
+            asked = f"; does {' or '.join(map(repr, close))} hold it?" if close else ""
+            raise WrongRun(f"no column holds {what}: name it {' or '.join(names)}; there are {', '.join(self.columns)}{asked}")
         if len(found) > 1:
             raise WrongRun(f"columns {' and '.join(map(repr, found))} hold {what}: which one counts?")
         return found[0]

@@ -10,6 +10,7 @@ import subprocess
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from statistics import median
 
@@ -282,9 +283,10 @@ def test_models_of_whole_trains_stand_where_the_fit_may_import() -> None:
         str(path) for path, source in trees() if path.parts[0] == "estimator" and "import_module" in ast.unparse(source)
     ]
     assert by_name == ["estimator/fit/problem/train_models.py"]
-    declared = [form.whole_train.model.partition(":")[0] for form in FORMS if form.whole_train is not None]
-    assert "estimator.statics.film_model" in declared
-    assert {room(one) for one in declared} <= set(ROOMS["estimator/fit/problem"])
+    declared = [form.whole_train.model.split(":") for form in FORMS if form.whole_train is not None]
+    assert ["estimator.statics.film_model", "film_model"] in declared
+    assert {room(module) for module, _ in declared} <= set(ROOMS["estimator/fit/problem"])
+    assert all(callable(getattr(import_module(module), function)) for module, function in declared)
 
 
 def test_modules_that_are_imported_exist() -> None:

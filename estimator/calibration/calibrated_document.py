@@ -36,11 +36,23 @@ def with_gain_drift(machine: Machine, gain_drift: float) -> Machine:
     Raises:
         ValueError: The drift is below zero or above `MOST_DRIFT`.
     """
-    if not 0.0 <= gain_drift <= MOST_DRIFT:
-        raise ValueError(f"gain_drift is {gain_drift:g}: it lies between 0 and {MOST_DRIFT:g}, such as 0.02 for 2 %")
+    require_gain_drift(gain_drift)
     if machine.calibration is None:
         return machine
     return machine.model_copy(update={"calibration": machine.calibration.model_copy(update={"gain_drift": gain_drift})})
+
+
+def require_gain_drift(gain_drift: float) -> None:
+    """Raise ValueError for a drift of gains that no calibration allows for.
+
+    Args:
+        gain_drift: Rms of the complex change of each gain, in parts of it [-].
+
+    Raises:
+        ValueError: The drift is below zero or above `MOST_DRIFT`.
+    """
+    if not 0.0 <= gain_drift <= MOST_DRIFT:
+        raise ValueError(f"gain_drift is {gain_drift:g}: it lies between 0 and {MOST_DRIFT:g}, such as 0.02 for 2 %")
 
 
 def is_the_same_but_for_calibrations(machine: Machine, other: Machine) -> bool:

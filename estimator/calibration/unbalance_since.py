@@ -5,7 +5,8 @@ later fit's values of these move it by the regression K of U on them, and T - U 
 mounting (conditional Gaussian: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, app. A.2).
 
 Where only small trial weights tell the gains, a factor on all of them is uncertain by more than a straight line is good for:
-unbalances divided by it make the same vibration. So the calibration is first carried to the later fit's factor, exactly.
+unbalances divided by it make the same vibration. So the calibration is first carried to the later fit's factor, exactly. Of a
+factor by which gains may have drifted since, the unbalances take only the part that is the calibration's own error.
 """
 
 import math
@@ -14,9 +15,11 @@ from typing import Protocol
 
 import numpy as np
 from msgspec import Struct
+from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
+from estimator.machine.calibration import Calibration
 from estimator.machine.document import Machine
 
 PARTS = np.array([1.0, 1.0j])
@@ -112,9 +115,10 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
 
 
 def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floats]:
-    """Return a calibration carried to the factor on all gains that a later fit found, which the unbalances are divided by.
+    """Return a calibration carried to the factor on all gains that a later fit found.
 
-    Returns the values (n,) there and the derivative (n, n) of the way there; where a gain is held, there is no such factor.
+    Returns the values (n,) there, where unbalances are divided by the factor, or by its part that did not come of a drift; and
+    the derivative (n, n) of the way there. Where a gain is held, there is no such factor.
     later: values that the later fit found, by name.
     """
     calibration = machine.calibration
@@ -133,13 +137,22 @@ def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floa
         [[names.index(f"disc.{disc.id}.unbalance.{part}") for part in ("real", "imaginary")] for disc in machine.discs]
     )
     # Against +x to +y an unbalance acts as its conjugate.
-    divided = 1.0 / (factor if machine.direction > 0 else factor.conjugate())
+    divided = (factor if machine.direction > 0 else factor.conjugate()) ** -_own_part(calibration, places, gains)
     for rows, times, offset in ((places, factor, 1.0), (unbalances, divided, 0.0)):
         for row in rows:
             carried = times * (offset + complex(values[row] @ PARTS)) - offset
             values[row] = carried.real, carried.imag
             carry[np.ix_(row, row)] = [[times.real, -times.imag], [times.imag, times.real]]
     return values, carry
+
+
+def _own_part(calibration: Calibration, places: NDArray[np.intp], gains: Complexes) -> float:
+    """Return which part of the variance of the factor on all gains (m,) is the calibration's; the rest is their drift [-]."""
+    weights = (PARTS / (gains[:, None] * gains.size)).reshape(-1)
+    chosen = places.reshape(-1)
+    own = float((weights @ np.array(calibration.covariance)[np.ix_(chosen, chosen)] @ weights.conj()).real)
+    drift = float(np.abs(weights) ** 2 @ calibration.moved_since[chosen])
+    return own / (own + drift) if drift else 1.0
 
 
 def _regression(known: Floats, moved: Floats, before: list[int], there: list[int]) -> Floats:

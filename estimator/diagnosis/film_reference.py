@@ -147,8 +147,8 @@ def _open_couplings(baseline: Sequence[Observation]) -> CompliantCouplings:
     """Return the couplings whose stiffness the runs of a baseline usually leave open by a large factor."""
     names = baseline[0].names
     found = compliant_couplings(names, np.ones(len(names)), np.array([one.reference for one in baseline]))
-    precision = np.median([np.diag(inverse(one.fitted)) for one in baseline], axis=0)
-    kept = np.array([precision[place] > OPEN**2 for place in found.places], dtype=bool)
+    variance = np.median([np.diag(inverse(one.fitted)) for one in baseline], axis=0)
+    kept = np.array([variance[place] > OPEN**2 for place in found.places], dtype=bool)
     places = tuple(place for place, one in zip(found.places, kept, strict=True) if one)
     return CompliantCouplings(places, found.unit[kept], found.usual[kept])
 

@@ -1,5 +1,6 @@
 """Errors of the database and of leases: how far they reach, and their messages."""
 
+import builtins
 import sqlite3
 from collections.abc import Collection
 
@@ -35,7 +36,7 @@ def error_outline(error: Exception) -> str:
     cause = getattr(error, "orig", None) or error
     if isinstance(cause, DatabaseUnusable):
         return cause.detail
-    if isinstance(cause, sqlite3.Error | LeaseLost | TimeoutError):
+    if isinstance(cause, sqlite3.Error | LeaseLost | TimeoutError | builtins.TimeoutError):
         return str(cause)
     return f"{type(cause).__name__} of PostgreSQL"
 

@@ -1,5 +1,6 @@
 """A store that cannot be used: callers are told why, and only the log, administrators and doctor where its file lies."""
 
+import builtins
 from pathlib import Path
 
 import httpx
@@ -61,6 +62,10 @@ def test_the_files_place_is_told_to_administrators_only(tmp_path: Path) -> None:
         ),
         (DatabaseUnusable("database /var/lib/x cannot be used"), "the service's log says why"),
         (TimeoutError("no connection is free"), "no connection is free"),
+        (
+            OperationalError("", {}, builtins.TimeoutError("database is locked: another thread has written for 15 s")),
+            "database is locked: another thread has written for 15 s",
+        ),
     ],
 )
 def test_an_outline_names_no_place(error: Exception, outline: str) -> None:

@@ -69,7 +69,7 @@ def test_gains_that_may_have_drifted_widen_what_a_later_run_has_gained(
     assert narrow is not None
     assert wide.standard_error(0) > 1.1 * narrow.standard_error(0)
     with pytest.raises(NotCalibrated, match=r"gain_drift is 5: it lies between 0 and 0\.5, such as 0\.02 for 2 %"):
-        rd.calibrate(rd.read_machine(KIT), [file], gain_drift=5.0)
+        rd.calibrate(rd.read_machine(KIT), ["said before anything is read.csv"], gain_drift=5.0)
 
 
 def test_one_that_is_not_accepted_is_not_written(calibrated: rd.CalibratedMachine, tmp_path: Path) -> None:

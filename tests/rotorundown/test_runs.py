@@ -106,9 +106,18 @@ def without(name: str, columns: dict[str, Any]) -> dict[str, Any]:
 
 
 WRONG: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], dict[str, Any], str]] = {
-    "wrong columns": (lambda c: {**without("speed", c), "sped": c["speed"]}, {}, "no column holds the speed.*'sped'"),
+    "wrong columns": (
+        lambda c: {**without("speed", c), "sped": c["speed"]},
+        {},
+        "no column holds the speed.*; does 'sped' hold it",
+    ),
     "no channel": (lambda c: {"speed": c["speed"]}, {}, "no column holds an amplitude of a channel of 'motor-pump'"),
-    "no phase": (lambda c: without("B2L_phase", c), {}, "no column holds the phase of B2L"),
+    "no phase": (lambda c: without("B2L_phase", c), {}, r"no column holds the phase of B2L: .*B4R_phase$"),
+    "a phase under another name": (
+        lambda c: {**without("B2L_phase", c), "B2L_deg": c["B2L_phase"]},
+        {},
+        "no column holds the phase of B2L: name it B2L_phase or B2L_lag_deg; .*; does 'B2L_deg' hold it",
+    ),
     "degrees given for radians": (lambda c: c, {"phase_unit": "rad"}, "say phase_unit='deg'"),
     "radians given for degrees": (
         lambda c: {name: np.radians(one) if name.endswith("_phase") else one for name, one in c.items()},

@@ -17,6 +17,8 @@ const QUANTITIES: Record<string, string> = {
   angle_horizontal: t("angleHorizontal"),
 };
 const LOADS: Record<string, string> = { load_vertical: t("loadVertical"), load_horizontal: t("loadHorizontal") };
+/** The largest chance that is told as a number [%]. */
+const MOST_CHANCE = 99;
 const ALIGNMENT = /^coupling\..+\.offset_vertical$/;
 
 /** Nothing where the identification tells of no alignment. */
@@ -113,7 +115,13 @@ function allowedText({ allowed, beyond, unit }: AlignmentNumber, units: ShownUni
   if (allowed === null) return "–";
   const scale = scaleOf(allowed, unit, units);
   const said = `${number(allowed * scale.factor)} ${scale.unit}`;
-  return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: said, per_cent: Math.floor(100 * beyond) }) : said;
+  return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: said, chance: chanceOf(beyond) }) : said;
+}
+
+/** A chance in per cent, of which none is certain. */
+function chanceOf(beyond: number): string {
+  const part = 100 * beyond;
+  return part > MOST_CHANCE ? t("chanceAbove", { per_cent: MOST_CHANCE }) : `${Math.round(part)} %`;
 }
 
 /** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
@@ -122,7 +130,7 @@ function TargetCell({ target: { state, target, off, beyond }, unit }: { target: 
   if (off.value === null) return <td class="number muted reason">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;
   const scale = scaleOf(Math.max(...[off.value, off.lower, off.upper, target].map((one) => Math.abs(one ?? 0))), unit, units);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
-  const exceeded = beyond !== null && beyond > 0.5 && `; ${t("targetExceeded", { per_cent: Math.floor(100 * beyond) })}`;
+  const exceeded = beyond !== null && beyond > 0.5 && `; ${t("targetExceeded", { chance: chanceOf(beyond) })}`;
   return (
     <td class="number">
       {shown(off.value)} {scale.unit} <small class="muted">{`${shown(off.lower)} … ${shown(off.upper)}; `}{t("targetOf", { state: term(state), target: shown(target) })}{exceeded}</small>

@@ -109,11 +109,14 @@ def _far_targets(machine: Machine) -> Iterator[DocumentWarning]:
     widest = max((one.film.radial_clearance for one in machine.bearings if one.film is not None), default=math.inf)
     for number, target in enumerate(machine.operation.alignment_targets):
         for name, cold in target.left_cold.stated.items():
-            warm = cold + target.growth.stated.get(name, 0.0)
+            growth = target.growth.stated.get(name, 0.0)
+            warm = cold + growth
             if name.startswith("offset") and abs(warm) > widest:
+                grown = f", {_micrometres(warm)} with its growth," if growth else ""
                 yield DocumentWarning(
                     f"operation.alignment_targets[{number}].left_cold.{name}",
-                    f"{_micrometres(warm)} is more than the radial clearance, {_micrometres(widest)}: usual are some 10 µm",
+                    f"{_micrometres(cold)}{grown} is more than the radial clearance, {_micrometres(widest)}: "
+                    "usual are some 10 µm",
                 )
 
 

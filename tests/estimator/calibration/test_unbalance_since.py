@@ -39,7 +39,7 @@ def _names(machine: Machine) -> tuple[str, ...]:
     return tuple(f"{name}.{part}" for name in names for part in ("real", "imaginary"))
 
 
-def _point(machine: Machine, factor: complex, unbalance: complex) -> tuple[Floats, Floats]:
+def _point(machine: Machine, factor: complex, unbalance: complex, *, rough: float = ROUGH) -> tuple[Floats, Floats]:
     """Coordinates and their covariance where all gains are one factor: readings, gain times unbalance, are known sharply."""
     count = len(machine.probes)
 
@@ -48,7 +48,7 @@ def _point(machine: Machine, factor: complex, unbalance: complex) -> tuple[Float
 
     ways = [np.r_[np.full(count, factor * turn), acting(-acting(unbalance) * turn)] for turn in (1.0, 1.0j)]
     small = SHARP * np.r_[np.ones(2 * count), np.full(2, abs(unbalance))]
-    covariance = ROUGH**2 * sum(np.outer(_parts(way), _parts(way)) for way in ways) + np.diag(small**2)
+    covariance = rough**2 * sum(np.outer(_parts(way), _parts(way)) for way in ways) + np.diag(small**2)
     return _parts(np.r_[np.full(count, factor - 1.0), unbalance]), covariance
 
 
@@ -74,6 +74,26 @@ def test_a_factor_on_all_gains_takes_nothing_from_what_was_gained(rotation: str,
     assert found is not None
     assert found.value[0] == pytest.approx(GAINED, abs=1e-3 * abs(GAINED))
     assert found.standard_error(0) == pytest.approx(ROUGH * abs(GAINED), rel=0.1), "the factor is open for what was gained"
+
+
+@pytest.mark.parametrize("rotation", ["positive", "negative"])
+def test_a_factor_by_which_gains_have_drifted_takes_nothing_from_what_was_gained(rotation: str) -> None:
+    """A calibration that knows its gains sharply and lets them drift: its unbalance stays where it was."""
+    machine = _machine(rotation)
+    names, sharp = _names(machine), 1e-5
+    values, covariance = _point(machine, 1.0 + 0.0j, OWN, rough=sharp)
+    calibration = Calibration(
+        parameters=names,
+        values=tuple(values.tolist()),
+        covariance=tuple(map(tuple, covariance.tolist())),
+        unbalances=names[-2:],
+        gain_drift=0.05,
+    )
+    calibrated = machine.model_copy(update={"calibration": calibration})
+    found = unbalance_since(calibrated, _Fit(names, *_point(machine, 1.04 + 0.03j, OWN + GAINED, rough=sharp)))
+    assert found is not None
+    assert found.value[0] == pytest.approx(GAINED, abs=0.02 * abs(GAINED))
+    assert found.standard_error(0) < 0.02 * abs(GAINED)
 
 
 def test_where_a_gain_is_held_there_is_no_factor() -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from tests.paths import ROOT
 
-SCRIPT = """
-import os, sys
+PREPARED = """
+import os, sqlite3, sys
+from contextlib import closing, suppress
 from pathlib import Path
 from sqlalchemy import text
 from sqlalchemy.exc import OperationalError
@@ -37,6 +38,9 @@ if os.getuid() == 0:
 by_the_owner(0o700)
 database = Database(sqlite_url(folder / "rundown.db"))
 add("before")
+"""
+
+GIVEN_BACK = """
 by_the_owner(0)
 for attempt in (lambda: add("refused"), database.check):
     try:
@@ -54,8 +58,30 @@ with database.reading() as session:
 database.close()
 """
 
+DELETED = """
+by_the_owner(0)
+with suppress(DatabaseUnusable):
+    database.check()
+by_the_owner(0o700)
+(folder / "rundown.db-wal").unlink()
+by_the_owner(0)
+try:
+    database.check()
+except DatabaseUnusable as error:
+    assert "has lost the permission" in str(error), error
+by_the_owner(0o700)
+try:
+    database.check()
+except DatabaseUnusable as error:
+    assert "rundown.db-wal was deleted" in str(error), error
+assert database.needs_restart
+with closing(sqlite3.connect(f"file:{folder / 'rundown.db'}?immutable=1", uri=True)) as other:
+    print(*other.execute("SELECT id FROM machines").fetchone())
+"""
 
-def test_a_folder_that_may_not_be_looked_into_for_a_while_costs_nothing(tmp_path: Path) -> None:
+
+def said_by(script: str, tmp_path: Path) -> list[str]:
+    """Run a script over a store in a folder of its own, and return the words that it prints."""
     # Root may look into every folder: there the script goes on as somebody else.
     tmp_path.chmod(0o755)
     for above in tmp_path.parents:
@@ -63,8 +89,17 @@ def test_a_folder_that_may_not_be_looked_into_for_a_while_costs_nothing(tmp_path
             above.chmod(above.stat().st_mode | 0o011)
     folder = tmp_path / "store"
     folder.mkdir()
-    command = [sys.executable, "-c", SCRIPT, str(folder)]
+    command = [sys.executable, "-c", PREPARED + script, str(folder)]
     done = subprocess.run(
         command, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False
     )
-    assert done.stdout.split() == ["after", "before"], done.stderr
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+def test_a_folder_that_may_not_be_looked_into_for_a_while_costs_nothing(tmp_path: Path) -> None:
+    assert said_by(GIVEN_BACK, tmp_path) == ["after", "before"]
+
+
+def test_a_log_that_is_deleted_meanwhile_is_noticed_when_the_folder_is_given_back_and_loses_nothing(tmp_path: Path) -> None:
+    assert said_by(DELETED, tmp_path) == ["before"]

@@ -28,6 +28,9 @@ def test_an_offset_that_is_aimed_at_warm_beyond_the_clearance_is_named() -> None
     (warning,) = document_warnings(parse_machine(said))
     assert warning.field == "operation.alignment_targets[0].left_cold.offset_vertical"
     assert warning.words.startswith("-2000 µm is more than the radial clearance")
+    target["growth"] = {"offset_vertical": 1e-3}
+    (warning,) = document_warnings(parse_machine(said))
+    assert warning.words.startswith("-2000 µm, -1000 µm with its growth, is more than the radial clearance")
     target["growth"] = {"offset_vertical": 1.98e-3}
     assert document_warnings(parse_machine(said)) == ()
 
