@@ -146,5 +146,9 @@ def test_documents_that_mean_another_unit_are_refused_or_warned_of(service: Serv
         assert "alignment_tolerances" in refused.text
         assert "greater than 0" in refused.text
         said["bearings"][1]["film"]["elevation_y"] = 120.0
+        slip = service.client.post("/machines", json=said)
+        assert slip.status_code == 422
+        assert "was 120 µm meant" in slip.text, slip.text
+        said["bearings"][1]["film"]["elevation_y"] = 1.2e-3
         far = service.client.post("/machines", json=said)
         assert "radial clearance" in far.text, far.text
