@@ -83,7 +83,7 @@ def _ready(base: str) -> bool:
 
 
 def compare(other: RunningCheckout, this: RunningCheckout, options: argparse.Namespace) -> bool:
-    """Ask both in turns and print the figures; whether none is worse than allowed."""
+    """Ask both in turns and print the figures; return whether none is worse than allowed."""
     kept = True
     print(f"{options.clients} clients, {options.requests} requests, medians of {options.rounds} rounds, seed {options.seed}")
     print(f"  {'':46}{'p50 there, here [ms]':>22}{'processor [ms]':>18}   here over there: p50, p99, processor")

@@ -172,7 +172,7 @@ def show(rounds: list[Round], options: argparse.Namespace) -> np.ndarray:
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Run the service and print its figures; whether all that was asked came out."""
+    """Run the service and print its figures; return whether each is within its limit."""
     fill(folder / "rundown.db", seed=options.seed)
     service = Service(folder)
     quiet, busy = [], []
@@ -198,7 +198,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def beside_alive(quiet: list[Round], requests: int) -> bool:
-    """Print how many times as long answers take as `/alive` in the same round; whether none takes longer than asked."""
+    """Print each p99 over that of `/alive` in the same round; return whether all are within the limit."""
     names = [one.name for one in figures(requests)]
     at = names.index(ALIVE)
     over = np.median([one.p99 / one.p99[at] for one in quiet], axis=0)
@@ -210,7 +210,7 @@ def beside_alive(quiet: list[Round], requests: int) -> bool:
 
 
 def compare(quiet: list[Round], busy: list[Round], asked: list[bool]) -> bool:
-    """Print how many times as long answers take while samples are stored; whether no figure takes more than twice as long."""
+    """Print each p99 while samples are stored over that before; return whether all are within the limit."""
     pairs = list(zip(quiet, busy, strict=True))
     times = np.median([after.p99 / before.p99 for before, after in pairs], axis=0)[asked]
     together = float(np.median([after.together(asked) / before.together(asked) for before, after in pairs]))

@@ -32,7 +32,7 @@ class _Client:
         self.connection.sendall(request)
 
     def answered(self) -> bool:
-        """Take what came; whether that is all."""
+        """Take what came; return whether that is all."""
         part = self.connection.recv(LARGEST_READ)
         if not part:
             raise ConnectionError("the service has closed a connection")

@@ -134,7 +134,7 @@ def _insert(database: Database, model: type[Base], rows: Iterator[StoredRow]) ->
 
 
 def measure(folder: Path, url: str, options: argparse.Namespace) -> bool:
-    """Build the store, start the service, print the figures; whether it was ready in time."""
+    """Build the store, start the service, print the figures; return whether it was ready in time."""
     began = time.perf_counter()
     if options.store is None or not options.store.exists():
         build(url, count=options.machines, identified=options.identified, weeks=options.weeks)

@@ -33,7 +33,7 @@ WARM_UP_JOBS = 5
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Print the figures; whether as many came out as asked."""
+    """Print the figures; return whether as many came out as asked."""
     service = Service(folder)
     database = Database(service.database)
     train = chapter_3()

@@ -47,7 +47,7 @@ def _processor_seconds_of(code: str, environment: Mapping[str, str]) -> float:
 
 
 def imports(tries: int) -> bool:
-    """Print what imports take; whether the bounds hold."""
+    """Print what imports take; return whether the bounds hold."""
     nothing, *found = processor_seconds(["pass", "import rotorundown", UNDERLYING, WITH_A_MODEL, READY], tries=tries)
     lazy, underlying, with_a_model, ready = (one - nothing for one in found)
     print(f"import of the library: asked {IMPORT_ASKED_S} s, measured {lazy:.3f} s of processor time")
@@ -60,7 +60,7 @@ def imports(tries: int) -> bool:
 
 
 def install(folder: Path) -> bool:
-    """Print what an installation takes; whether the bounds hold."""
+    """Print what an installation takes; return whether the bounds hold."""
     wheel = build_wheel(folder)
     files = folder / "files"
     base = make_environment(folder / "base")

@@ -74,7 +74,7 @@ def publishing_process(options: argparse.Namespace) -> None:
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Run the sources and kill the service; print the figures; whether the journal is exact."""
+    """Run the sources and kill the service; print the figures; return whether the journal is exact."""
     service = Service(folder)
     each = round(options.seconds * options.rate)
     total = each * options.sources

@@ -104,7 +104,7 @@ def publishing_process(options: argparse.Namespace) -> None:
 
 
 def measure(folder: Path, database: str, options: argparse.Namespace) -> bool:
-    """Run the chain and print its figures; whether all that was asked came out."""
+    """Run the chain and print its figures; return whether all that was asked came out."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     service = Service(folder, router=endpoint, database=database)
     rate = options.rate / options.machines

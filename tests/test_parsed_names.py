@@ -1,4 +1,4 @@
-"""Names of parameters are separated into their parts in one place; nothing else decides by how a name begins or ends."""
+"""Names of parameters are separated into their parts in one place; nothing else decides by a name's ends or letters."""
 
 import ast
 from collections.abc import Iterator
@@ -7,15 +7,20 @@ import pytest
 
 from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import TERMS
+from estimator.machine.alignment_rules import CouplingPosition
 from estimator.machine.part_coefficients import ELEMENTS
 from estimator.quantities import UNITS
 from tests.paths import ROOT
 from tests.syntax_trees import parsed
 
-PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
+PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
 KINDS = {*ELEMENTS.values(), "disc", "films", "journal", "material", "oil", "probe", "shaft", "static_load"}
 """First parts of names, and what films are called."""
-WORDS = KINDS | set(OWN_PARAMETERS) | set(TERMS) | {one.replace(" ", "_") for one in UNITS}
+WORDS = (
+    KINDS | set(OWN_PARAMETERS) | set(TERMS) | {one.replace(" ", "_") for one in UNITS} | set(CouplingPosition.model_fields)
+)
+LETTERS = {one[0] for one in TERMS} | {"p", "x", "y"}
+"""First letters of terms, and those that tell an axis: `name[0] == "k"`."""
 ENDS = ("startswith", "endswith", "removeprefix", "removesuffix")
 CUTS = ("split", "rsplit", "partition", "rpartition")
 PARSERS = {
@@ -26,6 +31,7 @@ PARSERS = {
     "service/security/tokens.py": "paths of claims",
     "service/__main__.py": "names of modules",
     "rotorundown/environment/optional_packages.py": "names of modules",
+    "benchmarks/fluid_film/reference_arrays.py": "names of arrays in a file",
 }
 """Modules that may cut a name at its dots, and why."""
 
@@ -47,6 +53,13 @@ def is_of_a_name(text: str) -> bool:
     return bool(word) and (word.partition(".")[0] in WORDS or any(one.startswith(word) for one in WORDS if len(word) > 2))
 
 
+def _is_slice(node: ast.expr) -> bool:
+    """Return whether an expression is a letter at a fixed place, or some letters, of a name."""
+    if not isinstance(node, ast.Subscript) or not isinstance(node.value, ast.Name | ast.Attribute):
+        return False
+    return isinstance(node.slice, ast.Slice | ast.UnaryOp) or isinstance(getattr(node.slice, "value", None), int)
+
+
 def faults(source: str, *, may_cut: bool) -> list[str]:
     """Return the calls that look at the ends of a parameter's name, or cut it at its dots where that is not allowed."""
     found = []
@@ -55,6 +68,10 @@ def faults(source: str, *, may_cut: bool) -> list[str]:
             texts = list(literals(node.args[0]))
             ends = node.func.attr in ENDS and any(is_of_a_name(one) for one in texts)
             if ends or (node.func.attr in CUTS and texts == ["."] and not may_cut):
+                found.append(ast.unparse(node))
+        elif isinstance(node, ast.Compare) and _is_slice(node.left):
+            compared = [text for one in node.comparators for text in literals(one)]
+            if any(text in LETTERS or is_of_a_name(text) for text in compared):
                 found.append(ast.unparse(node))
     return found
 
@@ -83,6 +100,9 @@ def test_modules_that_may_cut_names_still_do() -> None:
         "name.removeprefix('disc.')",
         "name.rpartition('.')[2]",
         "element.split('.')",
+        "term[0] == 'k'",
+        "name[-2:] in ('xx', 'yy', 'kxx')",
+        "one.term[:1] != 'c'",
     ],
 )
 def test_a_name_that_is_looked_at_by_itself_is_found(call: str) -> None:
@@ -90,7 +110,8 @@ def test_a_name_that_is_looked_at_by_itself_is_found(call: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "call", ["url.startswith('http')", "topic.split('/')", "line.endswith('\\n')", "text.startswith(end)"]
+    "call",
+    ["url.startswith('http')", "topic.split('/')", "line.endswith('\\n')", "text.startswith(end)", "parts[2] != 'samples'"],
 )
 def test_other_texts_are_not(call: str) -> None:
     assert faults(call, may_cut=False) == []

@@ -188,6 +188,24 @@ def test_the_page_for_developers_is_two_pages() -> None:
     assert len(PICTURE.read_text().splitlines()) <= TWO_PAGES
 
 
+BY_NAME = {
+    "estimator/fit/problem/train_models.py": "models of whole trains, each declared in a room that the fit may import",
+    "rotorundown/__init__.py": "public names, whose modules are also imported for types",
+    "rotorundown/environment/optional_packages.py": "packages of others",
+}
+"""Modules that import what a variable names, and why no arrow is hidden by it."""
+
+
+def test_only_few_modules_import_what_a_variable_names() -> None:
+    found = {
+        str(path)
+        for path, source in trees()
+        for node in ast.walk(source)
+        if isinstance(node, ast.Call) and _called(node) in ("import_module", "__import__", "run_module", "exec")
+    }
+    assert found == set(BY_NAME)
+
+
 ALLOWED_IN_ESTIMATOR = frozenset(
     [
         "__future__",

@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law
 from estimator.updated_model.derived_quantities import Derived, derived_quantities, model_quantities, running_speed
@@ -87,8 +88,8 @@ def true_model(machine: Machine, truth: Truth) -> UpdatedModel:
 
 def kind(one: Derived) -> str:
     """Return the kind of a quantity, such as `amplification_factor`."""
-    parts = one.name.split(".")
-    return parts[2] if len(parts) > 2 else parts[0]
+    said = describe(one.name)
+    return said.quantity or said.element_kind
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.machine.parameter_description import describe
 from estimator.trends.between_run_scatter import PRIOR_WEIGHT, expected_scatter
 from estimator.trends.control_charts import cusum, ewma
 from estimator.trends.deviations import Whitening, deviations
@@ -124,7 +125,7 @@ def _first(change: float) -> Floats:
 def rates(years: int, seed: int) -> None:
     """Print the rate of change: false alarms on healthy machines with seasons, and drifts that are detected."""
     rng = np.random.default_rng(seed)
-    stiffness = np.array([term[0] == "k" for term in TERMS] * 4)
+    stiffness = np.array([describe(name).physical_quantity == "stiffness" for name in NAMES])
     alarms = 0
     for _ in range(years):
         machine, phase = Drawn(rng, own=0.005), rng.uniform(0, 2 * math.pi)

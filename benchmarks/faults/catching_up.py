@@ -41,7 +41,7 @@ def publishing_process(options: argparse.Namespace) -> None:
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Print the figures; whether they are as asked."""
+    """Print the figures; return whether they are as asked."""
     service = Service(folder)
     with service.running():
         machines = create_machines(service, options.sources, channels=options.channels)

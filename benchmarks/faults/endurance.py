@@ -167,7 +167,7 @@ def happened(service: Service) -> dict[str, int]:
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Print the figures; whether nothing grows."""
+    """Print the figures; return whether nothing grows."""
     readings = measured(folder, options)
     half = round(WARM_UP * len(readings.at))
     slope, error = readings.slope()

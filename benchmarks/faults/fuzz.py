@@ -26,7 +26,7 @@ WARM_UP = 3
 
 
 def measure(folder: Path, cases: int) -> bool:
-    """Send the cases and print the figures; whether memory stayed within what is allowed."""
+    """Send the cases and print the figures; return whether memory stayed within what is allowed."""
     database = Database(f"sqlite:///{folder / 'fuzz.db'}")
     with database.transaction() as session:
         machines.create(session, machine())

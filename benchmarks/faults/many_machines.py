@@ -57,7 +57,7 @@ def publishing_process(options: argparse.Namespace) -> None:
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Print the figures; whether they are as asked."""
+    """Print the figures; return whether they are as asked."""
     service = Service(folder, RUNDOWN_SILENCE_S="60")
     database = Database(service.database)
     body = example(NAME)

@@ -168,7 +168,7 @@ def measure(service: Service, options: argparse.Namespace) -> Figures:
 
 
 def judge(found: list[Figures]) -> bool:
-    """Print the medians beside what is asked; whether they are as asked."""
+    """Print the medians beside what is asked; return whether they are as asked."""
     lost = sum(one.lost for one in found)
     transaction = median(one.transaction_s for one in found)
     cycle = median(one.cycle_s for one in found)

@@ -5,6 +5,7 @@ import numpy as np
 from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response
 from estimator.statics.equilibrium import film_train
@@ -93,11 +94,11 @@ def _phasors(machine: Machine, plant: Plant, speed: Floats, stiffness: Floats, d
     train = condense(machine, speed=speed, direction=np.ones(speed.size))
     values = np.tile([one.expected for one in train.unknowns.coefficients], (speed.size, 1))
     for k, one in enumerate(train.unknowns.coefficients):
-        kind, element, term = one.name.split(".")
-        if kind == "bearing":
-            place = (STIFFNESS if term in STIFFNESS else DAMPING).index(term)
-            film = stiffness if term in STIFFNESS else damping
-            values[:, k] = film[:, int(element[1:]) - 1, place // 2, place % 2]
+        said = describe(one.name)
+        if said.element_kind == "bearing":
+            terms, film = (STIFFNESS, stiffness) if said.quantity in STIFFNESS else (DAMPING, damping)
+            place = terms.index(said.quantity)
+            values[:, k] = film[:, int(said.element_id[1:]) - 1, place // 2, place % 2]
     excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
     excitations[: len(plant.train.discs)] = [disc.unbalance for disc in plant.train.discs]
     return np.asarray(response(train, coefficients=values, excitations=excitations))

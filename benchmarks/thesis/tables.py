@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.machine.parameter_description import describe
 
 PrintedUnbalance = tuple[float, float]
 """An unbalance as printed: magnitude [kg m], angle [°]."""
@@ -72,5 +73,6 @@ def worst_of_seeds(errors: Floats) -> str:
 
 def short_name(name: str) -> str:
     """Return a parameter's name without its kind of element: `B1 kxx`, `C k_phix`, `D2 U real`."""
-    _, element, rest = name.split(".", 2)
-    return f"{element} {rest.replace('unbalance.', 'U ')}"
+    said = describe(name)
+    quantity = "U" if said.quantity == "unbalance" else said.quantity
+    return " ".join(filter(None, (said.element_id, quantity, said.component)))

@@ -35,6 +35,10 @@ Turn = Annotated[float, Within(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
 """Angle of a coupling [rad]."""
 
 
+OFFSETS = ("offset_vertical", "offset_horizontal")
+"""Fields of a coupling's position that are offsets, not angles."""
+
+
 class CouplingPosition(Part):
     """Offset and angle of a coupling, or how they grow; signs are those of the alignment that is identified."""
 

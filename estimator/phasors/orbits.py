@@ -95,7 +95,7 @@ class StationOrbits:
 
 @dataclass(frozen=True)
 class OrbitFinding:
-    """Fault of the wiring that the orbits show, or that they cannot show.
+    """Fault of the wiring that orbits show, or doubt about it that they cannot settle.
 
     Attributes:
         code: Kind of the finding.

@@ -1,3 +1,3 @@
-"""Settings and log format. It imports `secrets`, no other room of the service; every room above may import
-it.
+"""Settings and log format. It imports `secrets`, no other room of the service; settings come from the environment and a
+file, and every room above reads them here.
 """

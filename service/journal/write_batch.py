@@ -134,7 +134,10 @@ class WriteBatch:
         self.refusals.stored()
 
     def _store_one_by_one(self) -> None:
-        """Do a turn of the pass through a failed transaction; leave batches of sources paused by it in their logs."""
+        """Store batches and rejections of a failed transaction each in its own, as far as the time of one turn allows.
+
+        Batches of sources that are paused meanwhile are dropped: they stay in their logs.
+        """
         ends = time.monotonic() + LONGEST_TURN_S
         try:
             self.refusals.store_one_by_one(ends=ends)

@@ -1,6 +1,7 @@
 """Hold the rooms of the page's sources: which may import which, without circles of files, and how large they are."""
 
 import re
+from collections import Counter
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from statistics import median
@@ -145,6 +146,41 @@ def test_rooms_stay_small() -> None:
 def test_every_form_of_an_import_is_seen(text: str) -> None:
     file = SOURCES / "browser" / "new.ts"
     assert imports(file, text) == {(SOURCES / "browser" / "router.ts").resolve()}
+
+
+def test_the_readme_lists_the_rooms_from_top_to_bottom() -> None:
+    """Each room imports only from those below it, as its text says."""
+    table = (SOURCES / "README.md").read_text().partition("|---|---|")[2].partition("\n\n")[0]
+    order = re.findall(r"`(\w+)/`", table)
+    assert sorted(order) == sorted(MAY_IMPORT)
+    upwards = [f"{one} -> {other}" for one in order for other in MAY_IMPORT[one] if order.index(other) < order.index(one)]
+    assert upwards == []
+
+
+def test_no_arrow_is_left_unused(graph: dict[Path, set[Path]]) -> None:
+    used = {(room_of(file), room_of(other)) for file, imported in graph.items() for other in imported}
+    assert {(one, other) for one, others in MAY_IMPORT.items() for other in others} <= used
+
+
+TYPE = re.compile(r"^(?:export )?(?:interface|type|class|enum) (\w+)", re.MULTILINE)
+
+
+def test_no_two_types_have_one_name(graph: dict[Path, set[Path]]) -> None:
+    """But for `Props`, as a component calls its own."""
+    found = [(name, file.name) for file in graph for name in TYPE.findall(file.read_text()) if name != "Props"]
+    assert len(found) > 100
+    count = Counter(name for name, _ in found)
+    assert [one for one in found if count[one[0]] > 1] == []
+
+
+ELEMENT = r"(?:bearing|coupling|disc|pedestal|probe|seal|shaft)"
+CUT = re.compile(rf"""\.split\("\."\)|\.startsWith\(["'`]{ELEMENT}\.""")
+"""Code that takes a parameter's or an element's name apart, or asks of what kind of element it is."""
+
+
+def test_names_of_parameters_are_taken_apart_in_one_place(graph: dict[Path, set[Path]]) -> None:
+    assert {file.name for file in graph if CUT.search(file.read_text())} == {"names.ts"}
+    assert all(map(CUT.search, ('one.startsWith("coupling.")', 'element.split(".")[0]')))
 
 
 def test_an_arrow_upwards_is_seen() -> None:

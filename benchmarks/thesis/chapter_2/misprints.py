@@ -8,6 +8,7 @@ from msgspec import structs
 
 from benchmarks.thesis.chapter_2.experiments import Experiment
 from estimator.arrays import Complexes, Floats
+from estimator.machine.parameter_description import describe
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.elimination import GivenShafts
 from estimator.thesis.regression import Regression, solve
@@ -38,7 +39,8 @@ def _rounded_sixteenth(subject: Experiment) -> Regression:
 
 
 def _is_lateral_coupling(name: str) -> bool:
-    return name.startswith("coupling.") and "phi" not in name
+    said = describe(name)
+    return said.element_kind == "coupling" and said.term is not None and {said.term.force, said.term.motion} <= {"x", "y"}
 
 
 def _missing_fives(subject: Experiment) -> Regression:

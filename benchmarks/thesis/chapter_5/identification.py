@@ -30,6 +30,7 @@ from benchmarks.thesis.chapter_5.rig import (
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, power, table
 from estimator.fit.identification import Identification
+from estimator.machine.parameter_description import describe
 from estimator.thesis.flexible_train import parts
 from estimator.thesis.regression import solve
 
@@ -41,7 +42,7 @@ def directions_section(rig: Rig) -> str:
     rows = []
     for campaign in (PRINTED, PRINTED_WITH_FLOOR, DENSE, BOTH_WAYS, BELOW, RESONANCES, RUN_UP):
         found = bounds(rig, campaign)
-        kinds = [float(np.median(found.parameters[_members(rig, start, ends)])) for _, start, ends in KINDS]
+        kinds = [float(np.median(found.parameters[_members(rig, element_kind, ends)])) for _, element_kind, ends in KINDS]
         rows.append(
             [
                 campaign.title,
@@ -94,8 +95,8 @@ def _bound_figure(rig: Rig) -> str:
     ]
     found = [bounds(rig, one_way("", np.linspace(5.0, top, 200), floor=FLOOR)).parameters for top in highest]
     series = [
-        PlottedCurve(name, highest, [100.0 * float(np.median(one[_members(rig, start, ends)])) for one in found])
-        for name, start, ends in KINDS
+        PlottedCurve(name, highest, [100.0 * float(np.median(one[_members(rig, element_kind, ends)])) for one in found])
+        for name, element_kind, ends in KINDS
     ]
     figure = save(
         "chapter-5-bounds",
@@ -110,8 +111,9 @@ def _bound_figure(rig: Rig) -> str:
     return f"![Bounds by the highest speed]({figure})"
 
 
-def _members(rig: Rig, start: str, ends: tuple[str, ...]) -> list[int]:
-    return [k for k, name in enumerate(rig.names) if name.startswith(start) and name.rsplit(".", 1)[1] in ends]
+def _members(rig: Rig, element_kind: str, ends: tuple[str, ...]) -> list[int]:
+    said = map(describe, rig.names)
+    return [k for k, one in enumerate(said) if one.element_kind == element_kind and one.quantity in ends]
 
 
 def fits_section(rig: Rig) -> str:
@@ -119,7 +121,7 @@ def fits_section(rig: Rig) -> str:
     truth = np.concatenate([rig.coefficients, parts(rig.unbalances)])
     exact = regression(rig, PRINTED, seed=None, own_model=True)
     thesis_scaled, norm_scaled = solve(exact, scaling="thesis"), solve(exact, scaling="norm")
-    stiffness = _members(rig, "bearing.", ("kxx", "kyy"))
+    stiffness = _members(rig, "bearing", ("kxx", "kyy"))
     rows = []
     for campaign in (PRINTED, DENSE, RUN_UP_WITHOUT_FLOOR):
         for own_model in (True, False):
@@ -167,7 +169,7 @@ def _or_rounding(error: float) -> str:
 
 def _likelihood(rig: Rig) -> str:
     rows = []
-    stiffness = [rig.names[k] for k in _members(rig, "bearing.", ("kxx", "kyy"))]
+    stiffness = [rig.names[k] for k in _members(rig, "bearing", ("kxx", "kyy"))]
     for campaign in (PRINTED, PRINTED_WITH_FLOOR, DENSE, BOTH_WAYS, BELOW, RESONANCES, RUN_UP):
         fits = [fitted(rig, campaign, seed=seed) for seed in range(LIKELIHOOD_SETS)]
         outcomes = [outcome for outcome in fits if outcome.accepted]

@@ -43,10 +43,10 @@ DETERMINED, LOST = 0.1, 1.0
 """A direction is called determined below, lost above this standard error; 1 is a factor e of a direct term."""
 LARGEST_GROWTH = "bearing.B4.cyx"
 KINDS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
-    ("bearing k direct", "bearing.", ("kxx", "kyy")),
-    ("bearing c direct", "bearing.", ("cxx", "cyy")),
-    ("coupling k direct", "coupling.", ("kxx", "kyy")),
-    ("coupling k_φ", "coupling.", ("k_phix", "k_phiy")),
+    ("bearing k direct", "bearing", ("kxx", "kyy")),
+    ("bearing c direct", "bearing", ("cxx", "cyy")),
+    ("coupling k direct", "coupling", ("kxx", "kyy")),
+    ("coupling k_φ", "coupling", ("k_phix", "k_phiy")),
 )
 
 

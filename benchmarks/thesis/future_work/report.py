@@ -15,7 +15,7 @@ from estimator.fit.identify import identify
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
-from estimator.machine.parameter_description import is_direct
+from estimator.machine.parameter_description import describe, is_direct
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response, sensitivity
@@ -113,10 +113,10 @@ def bearing_errors(found: Identification, simulation: SimulatedRun, feature: Fea
     others = [
         (name, k, place[name])
         for k, name in enumerate(found.coordinates)
-        if name.startswith("bearing.") and not name.startswith(f"{feature.element}.")
+        if describe(name).element_kind == "bearing" and describe(name).element != feature.element
     ]
     errors = {name: found.point[k] - simulation.truth[i] for name, k, i in others}
-    stiffness = [abs(math.expm1(error)) for name, error in errors.items() if name.endswith(("kxx", "kyy"))]
+    stiffness = [abs(math.expm1(error)) for name, error in errors.items() if describe(name).quantity in ("kxx", "kyy")]
     return max(stiffness), max(abs(errors[name]) / simulation.bound[i] for name, _, i in others)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.documents import Document
 from estimator.machine.document import Machine, parse_machine
-from estimator.machine.parameter_description import is_direct
+from estimator.machine.parameter_description import describe
 
 RMS = 0.01
 """Rms of the complex noise, part of each amplitude."""
@@ -175,9 +175,7 @@ def true_point(machine: Machine, names: tuple[str, ...], truth: Mapping[str, com
 
 
 def _coordinate(name: str, values: Mapping[str, complex]) -> float:
-    stem, _, part = name.rpartition(".")
-    if part == "real":
-        return values[stem].real
-    if part == "imaginary":
-        return values[stem].imag
-    return math.log(values[name].real) if is_direct(name) else values[name].real
+    said = describe(name)
+    if said.component is not None:
+        return values[said.whole].real if said.component == "real" else values[said.whole].imag
+    return math.log(values[name].real) if said.positive else values[name].real

@@ -1,6 +1,6 @@
 // Everything that the page says of findings: their kinds, labels and causes, and the limits that each kind has.
 import { LIMIT_NAMES, MENDED_BY_BALANCING, NAMED_AS_ELEMENTS, PRESENT, QUANTITIES, RULES, type LimitName, type RuleName } from "../declarations/findings";
-import { elementName, words } from "../format/names";
+import { elementId, elementKind, elementName, words } from "../format/names";
 import { decimal } from "../format/numbers";
 import { t } from "../messages/messages";
 
@@ -15,29 +15,24 @@ export function findingLabel(kind: string): string {
 
 /** A hypothesis in words: `misalignment of coupling C1`. */
 export function causeLabel({ kind, element }: { kind: string; element: string }): string {
-  if (!idOf(element)) return findingLabel(kind);
+  if (!elementId(element)) return findingLabel(kind);
   return isElementsOwn(kind, element) ? t("itself", { element: elementName(element) }) : t("of", { finding: findingLabel(kind), element: elementName(element) });
 }
 
 /** What a finding is about, as a heading: `Misalignment of coupling C1`, `Bearing B2`. */
 export function findingTitle(kind: string, element: string): string {
-  const words = !idOf(element) ? findingLabel(kind) : isElementsOwn(kind, element) ? elementName(element) : t("of", { finding: findingLabel(kind), element: elementName(element) });
+  const words = !elementId(element) ? findingLabel(kind) : isElementsOwn(kind, element) ? elementName(element) : t("of", { finding: findingLabel(kind), element: elementName(element) });
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
 /** Whether an alert's cause is present and no weight mends it, as the service judges that refuses to propose masses. */
 export function speaksAgainstBalancing({ rule, element, condition }: { rule: string; element: string; condition: string }): boolean {
-  return PRESENT.includes(condition) && !MENDED_BY_BALANCING[rule]?.includes(element.split(".")[0]!);
+  return PRESENT.includes(condition) && !MENDED_BY_BALANCING[rule]?.includes(elementKind(element));
 }
 
 /** Whether a finding is called as its element: that of a seal is called `bearing` as well. */
 function isElementsOwn(kind: string, element: string): boolean {
-  return NAMED_AS_ELEMENTS.includes(kind) || words(element.split(".")[0]!) === findingLabel(kind);
-}
-
-/** Empty for the machine as a whole. */
-function idOf(element: string): string {
-  return element.split(".").slice(1).join(".");
+  return NAMED_AS_ELEMENTS.includes(kind) || words(elementKind(element)) === findingLabel(kind);
 }
 
 export const LEVELS = ["alert", "danger"] as const;

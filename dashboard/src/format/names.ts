@@ -8,6 +8,16 @@ export function elementName(element: string): string {
   return [term(kind!), ...id].join(" ");
 }
 
+/** `bearing` from `bearing.B1`. */
+export function elementKind(element: string): string {
+  return element.split(".")[0]!;
+}
+
+/** `B1` from `bearing.B1`; empty for the machine as a whole. */
+export function elementId(element: string): string {
+  return element.split(".").slice(1).join(".");
+}
+
 /** `bearing.B1` from `bearing.B1.kxx`. */
 export function elementOf(parameter: string): string {
   return parameter.split(".").slice(0, 2).join(".");

@@ -9,6 +9,7 @@ import { Plot } from "../plots/plot";
 import type { Curve } from "../plots/plot-props";
 import type { PolarCurve } from "../plots/polar-geometry";
 import { PolarPlot } from "../plots/polar-plot";
+import type { Column } from "../schemas/columns";
 import type { Document } from "../schemas/machines";
 import type { Bode, MeasuredRun } from "../schemas/model";
 
@@ -29,11 +30,9 @@ export interface ResponseProps {
 }
 
 /** As shown: values in the chosen units. */
-interface ShownProps extends ResponseProps {
+interface ShownResponseProps extends ResponseProps {
   units: Units;
 }
-
-type Column = (number | null)[];
 
 /** One channel of a run, ascending in speed. */
 interface Points {
@@ -43,7 +42,7 @@ interface Points {
 }
 
 export function ResponsePanels(given: ResponseProps) {
-  const props: ShownProps = { ...given, units: useUnits() };
+  const props: ShownResponseProps = { ...given, units: useUnits() };
   const { machine, channels, order } = props;
   const { amplitude, speed } = props.units;
   const range: [number, number] = [machine.speed_range.minimum_rpm * speed.factor, machine.speed_range.maximum_rpm * speed.factor];
@@ -75,7 +74,7 @@ export function ResponsePanels(given: ResponseProps) {
   );
 }
 
-function Legend(props: ShownProps) {
+function Legend(props: ShownResponseProps) {
   const { fit, reference, order, overlaid } = props;
   const model = fit && order === 1 ? [t("modelWith95Band")] : [];
   const signs = [t("measuredPoints"), ...model, ...(reference ? [t("overlaidRunLegend", { of: overlaid ? t("ofMachine", { machine: overlaid }) : "" })] : [])];
@@ -86,12 +85,12 @@ function Legend(props: ShownProps) {
   );
 }
 
-function slowRollOf({ order, slowRoll }: ShownProps): string {
+function slowRollOf({ order, slowRoll }: ShownResponseProps): string {
   return order === 1 ? slowRoll : t("secondOrderAsMeasured");
 }
 
 /** The points of a channel; of another machine's run those of the channel of that name, else of the same place in its list. */
-function pointsOf({ order, units, machine, overlaid }: ShownProps, sweep: SpeedSweep, channel: string): Points {
+function pointsOf({ order, units, machine, overlaid }: ShownResponseProps, sweep: SpeedSweep, channel: string): Points {
   const named = sweep.channels.indexOf(channel);
   const row = named < 0 && overlaid ? machine.probes.findIndex((one) => one.id === channel) : named;
   const [amplitude, lag] = order === 1 ? [sweep.amplitude[row], sweep.lag[row]] : [sweep.second[row], sweep.secondLag[row]];
@@ -99,13 +98,13 @@ function pointsOf({ order, units, machine, overlaid }: ShownProps, sweep: SpeedS
 }
 
 /** The model's curve of a channel, in the units shown; of the 1× alone. */
-function fittedOf({ fit, order, units }: ShownProps, channel: string): Bode["fitted"]["channels"][number] | undefined {
+function fittedOf({ fit, order, units }: ShownResponseProps, channel: string): Bode["fitted"]["channels"][number] | undefined {
   const found = order === 1 ? fit?.fitted.channels.find((one) => one.channel === channel) : undefined;
   const shown = (column: Column) => inUnit(column, units.amplitude);
   return found && { ...found, amplitude: shown(found.amplitude), lower: shown(found.lower), upper: shown(found.upper) };
 }
 
-function fittedSpeeds({ fit, units }: ShownProps): number[] {
+function fittedSpeeds({ fit, units }: ShownResponseProps): number[] {
   return speedsInUnit(fit?.fitted.speed ?? [], units.speed);
 }
 
@@ -114,14 +113,14 @@ interface PendingCurve extends Group {
   curve: (columns: Column[]) => Curve;
 }
 
-function bodeCurves(props: ShownProps, what: "amplitude" | "lag"): { x: number[]; curves: Curve[] } {
+function bodeCurves(props: ShownResponseProps, what: "amplitude" | "lag"): { x: number[]; curves: Curve[] } {
   const pending = props.channels.flatMap((channel, style) => channelCurves(props, channel, style, what));
   const { x, columns } = mergeOnCommonAxis(pending);
   return { x, curves: columns.map((one, at) => pending[at]!.curve(one)) };
 }
 
 /** The curves of a channel: overlaid run, model, measured points. Phases are put beside the model's curve. */
-function channelCurves(props: ShownProps, channel: string, style: number, what: "amplitude" | "lag"): PendingCurve[] {
+function channelCurves(props: ShownResponseProps, channel: string, style: number, what: "amplitude" | "lag"): PendingCurve[] {
   const fitted = fittedOf(props, channel);
   const speeds = fittedSpeeds(props);
   const model = fitted && what === "lag" ? unwrapPhase(fitted.phase) : fitted?.amplitude;
@@ -142,7 +141,7 @@ function channelCurves(props: ShownProps, channel: string, style: number, what: 
   return curves;
 }
 
-function Residuals({ fit, noFit, channels, range, units }: ShownProps & { range: [number, number] }) {
+function Residuals({ fit, noFit, channels, range, units }: ShownResponseProps & { range: [number, number] }) {
   const run: MeasuredRun | undefined = fit?.measured[0];
   if (!run) return <Empty>{noFit}</Empty>;
   const order = run.speed.map((_, at) => at).sort((a, b) => run.speed[a]! - run.speed[b]!);
@@ -170,7 +169,7 @@ function Residuals({ fit, noFit, channels, range, units }: ShownProps & { range:
   );
 }
 
-function polarCurves(props: ShownProps, channel: string, style: number): PolarCurve[] {
+function polarCurves(props: ShownResponseProps, channel: string, style: number): PolarCurve[] {
   const curves: PolarCurve[] = [];
   const fitted = fittedOf(props, channel);
   // Without a model's curve between them, points are connected in the order of speed.

@@ -94,7 +94,7 @@ function useTrendTests({ machine, element, names, newest, to = null, scope }: Pr
   return { tests: isTested ? (data?.tests ?? []) : null, isPending: isTested && !data && !failure };
 }
 
-interface ShownProps extends Props {
+interface ShownHistoriesProps extends Props {
   series: Series[];
   other: Series[];
 }
@@ -134,7 +134,7 @@ function besideExplained({ machine, series, failure }: Exclude<Explained["beside
   return ` ${t("noHistoryOf", { machine })}`;
 }
 
-function Plots(props: ShownProps & { markers: Marker[]; tests: TrendTest[] | null }) {
+function Plots(props: ShownHistoriesProps & { markers: Marker[]; tests: TrendTest[] | null }) {
   const { series, other, element, tests, machine, beside } = props;
   const all = [...series, ...other];
   const xRange = chosenStretch(all, props.shown) ?? newestDays(all, props.shownDays ?? Infinity);

@@ -118,8 +118,8 @@ function LastRun({ one }: { one: FleetMachine }) {
   );
 }
 
-type Counted = "Run" | "AlertEvent" | "Note" | "Refusal" | "Revision" | "Identification";
-type CountKey = `one${Counted}` | `many${Counted}s`;
+type ChangeName = "Run" | "AlertEvent" | "Note" | "Refusal" | "Revision" | "Identification";
+type CountKey = `one${ChangeName}` | `many${ChangeName}s`;
 
 const CHANGES: [keyof FleetMachine["happened"], one: CountKey, many: CountKey][] = [
   ["alert_events", "oneAlertEvent", "manyAlertEvents"],

@@ -1,6 +1,5 @@
 // Columns over different speeds merged on one axis, null where a column has no point.
-
-type Column = (number | null)[];
+import type { Column } from "../schemas/columns";
 
 export interface Group {
   x: number[];

@@ -1,6 +1,5 @@
 // Phases without jumps of a whole turn.
-
-type Column = (number | null)[];
+import type { Column } from "../schemas/columns";
 
 /** Phases [°] without jumps of a whole turn; nulls are skipped. */
 export function unwrapPhase(phase: Column): Column {

@@ -5,6 +5,7 @@ import { useAlertsAt } from "../data/alerts-at-time";
 import { queryString } from "../data/http-client";
 import { useNewestOf } from "../data/newest-identification";
 import { useResource } from "../data/resource";
+import { elementKind } from "../format/names";
 import { IdentificationPanels } from "../identification/identification-panels";
 import { OilFilmsPanel } from "../identification/oil-films-panel";
 import { t } from "../messages/messages";
@@ -68,7 +69,7 @@ interface HistoriesProps {
 /** The histories of all couplings, and of every element that had an alert. */
 function Histories({ machine, newest, from, to, alerts, during }: HistoriesProps) {
   const elements = elementsOfEstimates(newest.estimates).filter(
-    (one) => one.startsWith("coupling.") || during.some((alert) => alert.element === one),
+    (one) => elementKind(one) === "coupling" || during.some((alert) => alert.element === one),
   );
   return (
     <>

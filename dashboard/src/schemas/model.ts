@@ -1,7 +1,6 @@
 // Predictions of an identified model: response, critical speeds, modes, coupling loads, balancing.
+import type { Column } from "./columns";
 import type { Sense } from "./machines";
-
-type Column = (number | null)[];
 
 export interface Bode {
   fitted: { speed: number[]; channels: { channel: string; amplitude: Column; phase: Column; lower: Column; upper: Column }[] };

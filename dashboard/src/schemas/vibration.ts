@@ -1,6 +1,5 @@
 // Vibration at the probes: newest values, and the trend at running speed.
-
-type Column = (number | null)[];
+import type { Column } from "./columns";
 
 /** Of the 1×, peak-to-peak [µm]; null where the document gives none. */
 export type Zone = "A" | "B" | "C" | "D";

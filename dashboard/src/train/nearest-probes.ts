@@ -1,4 +1,5 @@
 // The probes that see most of an element: those nearest to it on either side.
+import { elementKind } from "../format/names";
 import type { Drawing } from "../schemas/machines";
 
 /** Probes this near to each other are at one station [m]. */
@@ -8,7 +9,7 @@ const SAME_STATION = 0.005;
 export function nearestChannels(drawing: Drawing, element: string): string[] {
   const at = placeOf(drawing, element);
   if (at === undefined) return [];
-  const sides = element.startsWith("coupling.")
+  const sides = elementKind(element) === "coupling"
     ? [drawing.probes.filter((one) => one.at <= at), drawing.probes.filter((one) => one.at > at)]
     : [drawing.probes];
   return sides.flatMap((probes) => {

@@ -2,7 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { DataColumn } from "../browser/download";
-import { elementName } from "../format/names";
+import { elementId, elementName } from "../format/names";
 import { decimal } from "../format/numbers";
 import { t } from "../messages/messages";
 import { SaveDrawing } from "../plots/save-buttons";
@@ -21,7 +21,7 @@ interface Props {
 }
 
 /** Lengths [m] on the drawing. */
-interface Scale {
+interface DrawingScale {
   height: number;
   axis: number;
   /** Length of a distance along the train. */
@@ -35,7 +35,7 @@ interface Scale {
 
 interface PartProps {
   layout: TrainLayout;
-  scale: Scale;
+  scale: DrawingScale;
   marks: Map<string, Mark>;
   onChoose: (element: string) => void;
 }
@@ -84,7 +84,7 @@ function columnsOf(drawing: Drawing, marks: Map<string, Mark>): DataColumn[] {
 }
 
 /** Radii have the scale of lengths, unless the train is so slender that nothing would be seen. */
-function scaleOf(layout: TrainLayout): Scale {
+function scaleOf(layout: TrainLayout): DrawingScale {
   const scale = (WIDTH - 2 * MARGIN) / layout.length;
   const stretch = Math.max(1, 26 / (layout.radius * scale));
   const tall = Math.min(120, Math.max(34, layout.radius * scale * stretch));
@@ -127,7 +127,7 @@ function Element({ id, kind, marks, onChoose, x, y, children }: ElementProps) {
       <title>{`${elementName(id)}${mark.words ? `\n${mark.words}` : ""}`}</title>
       {children}
       <text x={x} y={y} text-anchor="middle">
-        {MARK_SIGNS[mark.level]} {id.split(".")[1]}
+        {MARK_SIGNS[mark.level]} {elementId(id)}
       </text>
     </g>
   );

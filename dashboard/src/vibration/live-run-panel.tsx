@@ -12,14 +12,13 @@ import { t, term } from "../messages/messages";
 import { mergeOnCommonAxis } from "../plots/common-axis";
 import { Plot } from "../plots/plot";
 import type { Curve } from "../plots/plot-props";
+import type { Column } from "../schemas/columns";
 import type { Document, MachineState } from "../schemas/machines";
 import type { Phasors, Run } from "../schemas/runs";
 import { slowRollText } from "../words/slow-roll";
 
 const POLL_MS = 1500;
 const LIST_MS = 15_000;
-
-type Column = (number | null)[];
 
 export function LiveRunPanel({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;

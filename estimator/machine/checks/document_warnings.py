@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from estimator.machine.alignment_rules import OFFSETS
 from estimator.machine.document import Machine
 from estimator.machine.films import JournalFilm, Oil
 from estimator.machine.part_coefficients import ELEMENTS
@@ -111,7 +112,7 @@ def _far_targets(machine: Machine) -> Iterator[DocumentWarning]:
         for name, cold in target.left_cold.stated.items():
             growth = target.growth.stated.get(name, 0.0)
             warm = cold + growth
-            if name.startswith("offset") and abs(warm) > widest:
+            if name in OFFSETS and abs(warm) > widest:
                 grown = f", {_micrometres(warm)} with its growth," if growth else ""
                 yield DocumentWarning(
                     f"operation.alignment_targets[{number}].left_cold.{name}",

@@ -91,7 +91,7 @@ def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int, beyon
 
 
 def beyond_stated_weights(machine: Machine, measurement: Measurement, scale: DiscScale, *, direction: int) -> str:
-    """Return in words which trial weights a run states, that what it shows lies beyond; empty where there are none."""
+    """Return a clause naming the trial weights that a run states and its unbalances leave out; empty without any."""
     added = measurement.added
     if added is None or not np.any(added):
         return ""

@@ -1,6 +1,7 @@
 """Every error that is told to whoever asked has a category, and every category a status."""
 
-from collections.abc import Iterator
+import ast
+from collections.abc import Iterable, Iterator, Mapping
 
 import pytest
 
@@ -11,6 +12,8 @@ from service.http.error_status import STATUS, status_of
 from service.identification.job_quota import QuotaExceeded
 from storage.encoding.sample_blocks import DamagedBlock
 from storage.machines.machines import MachineUnknown
+from tests.paths import ROOT
+from tests.syntax_trees import parsed, statements
 
 
 def subclasses(kind: type[DomainError]) -> Iterator[type[DomainError]]:
@@ -53,3 +56,51 @@ def test_an_error_says_what_a_special_answer_needs() -> None:
     assert MachineUnknown("M1").detail == "no machine M1"
     assert "restore a backup" in DamagedBlock("block 3 cannot be read").detail
     assert QuotaExceeded("wait").retry_after_s == 30
+
+
+REACHED = (
+    "service/api",
+    "service/balancing",
+    "storage/alerts",
+    "storage/findings",
+    "storage/machines",
+    "storage/measurements",
+)
+"""Rooms whose errors reach whoever asks over HTTP: the API's, and the repositories that it calls."""
+
+
+def own_classes(packages: Iterable[str]) -> dict[str, set[str]]:
+    """Return the classes of some packages with the names of their bases."""
+    paths = [path for package in packages for path in (ROOT / package).rglob("*.py")]
+    nodes = [node for path in paths for node in statements(parsed(path.read_text())) if isinstance(node, ast.ClassDef)]
+    return {node.name: {ast.unparse(one).rpartition(".")[2] for one in node.bases} for node in nodes}
+
+
+def without_category(source: str, classes: Mapping[str, set[str]]) -> list[str]:
+    """Return the errors of this project that some source raises though they derive from no category."""
+    categories = {one.__name__ for one in STATUS} | {"HTTPException"}
+    found = []
+    for node in statements(parsed(source)):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call | ast.Name):
+            called = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+            bases = {ast.unparse(called).rpartition(".")[2]}
+            while more := {base for one in bases for base in classes.get(one, ())} - bases:
+                bases |= more
+            if len(bases) > 1 and not bases & categories:
+                found.append(ast.unparse(called))
+    return found
+
+
+def test_no_error_without_a_category_is_raised_where_it_would_reach_a_caller() -> None:
+    """It would be answered as an unexpected error, with status 500."""
+    classes = own_classes(("estimator", "storage", "formats", "service"))
+    paths = [path for room in REACHED for path in sorted((ROOT / room).rglob("*.py"))]
+    found = {path.relative_to(ROOT).as_posix(): without_category(path.read_text(), classes) for path in paths}
+    assert {path: errors for path, errors in found.items() if errors} == {}
+    assert {"MachineUnknown", "DocumentError", "FitFailed"} <= set(classes)
+
+
+def test_an_error_without_a_category_is_found() -> None:
+    classes = {"FitFailed": {"ValueError"}, "MachineUnknown": {"Missing"}, "Stale": {"MachineUnknown"}}
+    source = "def get():\n    raise Stale('M1')\n\n\ndef fit():\n    raise FitFailed\n    raise ValueError('of a validator')\n"
+    assert without_category(source, classes) == ["FitFailed"]
