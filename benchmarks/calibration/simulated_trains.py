@@ -1,5 +1,9 @@
 """Simulated calibrations of the example trains from sweeps: intervals of later changes of their unbalance.
 
+Trial weights are those that somebody beside the machine would choose: three tenths of the unbalance that the document states
+for the disc, which changes its vibration by about as much, or where that is more (or none is stated) a force of a tenth of the
+disc's weight at service speed. Later changes are of that size, too.
+
 `python -m benchmarks.calibration.simulated_trains [--count 6] [--train NAME …] [--keep FILE]` prints them alone, of all
 examples; with a file it goes on where it was stopped.
 """
@@ -26,6 +30,7 @@ from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors
+from estimator.statics.train_statics import GRAVITY
 from estimator.units import rpm_to_rad_per_s
 from formats.files.document_files import read_machine
 
@@ -40,8 +45,8 @@ GAIN_ERROR, RUN_OUT = 0.7, 3e-6
 """Rms of the logarithm of the channels' gains [-], whose phases are any, and rms parts of their run-outs [m]."""
 MOUNTING_ECCENTRICITY = 1e-6
 """Rms parts of what the discs' eccentricity differs by from run to run [m]."""
-WEIGHT_ECCENTRICITY = 1e-5
-"""Trial weight over the disc's mass [m]."""
+WEIGHT_PART, WEIGHT_FORCE = 0.3, 0.1
+"""Trial weight over the disc's unbalance as the document states it, its force at service speed over the disc's weight [-]."""
 RUNS, SPEEDS, LATER = 8, 60, 3
 
 
@@ -61,6 +66,7 @@ class MountedTrain:
         self.gain = np.exp(GAIN_ERROR * self.rng.standard_normal(channels) + 1j * self.rng.uniform(-np.pi, np.pi, channels))
         self.run_out = RUN_OUT * self._complex(channels)
         self.mass: Floats = np.array([disc.mass for disc in self.machine.discs])
+        self.trial_weight = _trial_weights(self.machine)
 
     def _complex(self, count: int) -> Complexes:
         return np.asarray(self.rng.standard_normal(count) + 1j * self.rng.standard_normal(count))
@@ -70,7 +76,7 @@ class MountedTrain:
         added = np.zeros(self.mass.size, dtype=complex)
         if number:
             disc = number % added.size
-            added[disc] = self.mass[disc] * WEIGHT_ECCENTRICITY * np.exp(2j * np.pi * self.rng.random())
+            added[disc] = self.trial_weight[disc] * np.exp(2j * np.pi * self.rng.random())
         return added
 
     def sweep(self, added: Complexes, speeds: int) -> Measurement:
@@ -86,6 +92,14 @@ class MountedTrain:
         """Return the runs of a calibration."""
         measured = [self.sweep(self.weight(number), speeds) for number in range(count)]
         return [CalibrationRun(f"run-{k}", one, (f"run-{k}",) * speeds, steady=False) for k, one in enumerate(measured)]
+
+
+def _trial_weights(machine: Machine) -> Floats:
+    """Return the trial weight of each disc (P,) [kg m]."""
+    service = rpm_to_rad_per_s(machine.operation.running_rpm or machine.speed_range.maximum_rpm)
+    usual = [WEIGHT_FORCE * disc.mass * GRAVITY / service**2 for disc in machine.discs]
+    own = [disc.unbalance.magnitude if disc.unbalance else 0.0 for disc in machine.discs]
+    return np.maximum(usual, WEIGHT_PART * np.array(own))
 
 
 def calibrated_train(name: str, seed: int) -> tuple[MountedTrain, Calibrated]:

@@ -11,6 +11,7 @@ from estimator.arrays import Floats
 from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
+from estimator.calibration.exchanges import exchange_text, likely_exchanges, log_likelihood
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
@@ -20,7 +21,7 @@ from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.calibration.weights_in_step import judge_weights
 from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.optimisation.maximum_likelihood import descend
-from estimator.fit.optimisation.multistart import FitFailed, best_fit
+from estimator.fit.optimisation.multistart import BestFit, FitFailed, best_fit
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.validation.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
@@ -50,6 +51,7 @@ MOST_OF_SWEEPS = (120, 400)
 """Number of samples of all sweeps together for the starts, and for the end: more at nearly the same speeds say little."""
 STARTS = 6
 """Most starts of the first fit."""
+NO_FIT = (FitFailed, SingularCondensation, np.linalg.LinAlgError)
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,21 @@ class _Gathered:
     steady: NDArray[np.bool_]
 
 
+@dataclass(frozen=True)
+class _Fitted:
+    """Fit of all runs: the document that was fitted, what it holds in words, and where the fit and the scatter ended."""
+
+    machine: Machine
+    held: tuple[str, ...]
+    problem: MountedProblem
+    scatter: ScatterModel
+    theta: Floats
+    sizes: ScatterSizes
+    converged: bool
+    first: BestFit
+    speeds: Floats
+
+
 def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0) -> Calibrated:
     """Calibrate a machine from runs with known unbalances.
 
@@ -107,13 +124,16 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         SingularCondensation: The train cannot be condensed at a speed.
     """
     remarks, mixed = check_runs(machine, runs), mixed_units([disc.id for disc in machine.discs], runs)
-    return _calibrated(machine, runs, (*remarks, *(() if mixed is None else (mixed.remark,))), seed, MOST_OF_SWEEPS)
+    return _calibrated(machine, runs, (*remarks, *(() if mixed is None else (mixed.remark,))), seed)
 
 
 def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibrated, *, seed: int = 0) -> Calibrated:
-    """Name the mixed units, or wrong senses of angles or phases, without which a refused calibration would be accepted.
+    """Name mixed units, wrong senses of angles or phases and exchanged probes or weights, without which runs fit far better.
 
-    Source: own derivation: each unit and each sense is tried, and a calibration with it accepted or not.
+    Units and senses are tried where a calibration is refused, and named where it would be accepted; exchanges are tried of an
+    accepted one, too, for free gains hide them.
+
+    Source: own derivation: each unit, sense and exchange is tried, and a calibration with it accepted, or likelier, or not.
 
     Args:
         machine: The machine.
@@ -122,30 +142,75 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
         seed: Seed of the random starts.
 
     Returns:
-        The calibration, with such units or senses in its verdict.
+        The calibration, with what was found in its verdict or, of an accepted one, in its remarks.
     """
     if found.accepted:
-        return found
+        doubt = _exchanged(machine, runs, seed)
+        return _with_remark(found, doubt) if doubt else found
 
     def fits(other: Sequence[CalibrationRun]) -> bool:
         return _is_accepted(machine, other, seed)
 
-    meant = explaining_units([disc.id for disc in machine.discs], runs, fits) or explaining_senses(runs, fits)
-    return replace(found, verdict=f"{found.verdict.rstrip('.')}. {meant}") if meant else found
+    discs = [disc.id for disc in machine.discs]
+    meant = explaining_units(discs, runs, fits) or explaining_senses(runs, fits) or _exchanged(machine, runs, seed)
+    return replace(found, verdict=f"{found.verdict.rstrip('.')}. {meant[0].upper()}{meant[1:]}") if meant else found
+
+
+def _with_remark(found: Calibrated, remark: str) -> Calibrated:
+    """Return a calibration with one more remark, in its document, too."""
+    calibration = found.machine.calibration
+    assert calibration is not None
+    told = calibration.model_copy(update={"verdict": f"{calibration.verdict}; {remark}"})
+    machine = found.machine.model_copy(update={"calibration": told})
+    return replace(found, machine=machine, remarks=(*found.remarks, remark))
+
+
+def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> str:
+    """Return the exchanges of probes or weights with which accepted fits are far likelier, by a part of the samples."""
+    few = (MOST_OF_SWEEPS[0],) * 2
+    try:
+        stated = _fitted(machine, runs, seed, few)
+    except NO_FIT:
+        return ""
+    before, starts = log_likelihood(stated.problem, stated.theta), [stated.theta, stated.problem.coordinates.prior.centre]
+    better = []
+    for exchange in likely_exchanges(machine, stated.problem, starts):
+        try:
+            tried = _fitted(machine, exchange.runs(runs), seed, few)
+        except NO_FIT:
+            continue
+        if _verdict(tried.problem, tried.theta, tried.converged)[0]:
+            better.append((exchange, log_likelihood(tried.problem, tried.theta) - before))
+    return exchange_text(better, int(np.count_nonzero(stated.problem.used)))
 
 
 def _is_accepted(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> bool:
     """Return whether other runs calibrate, by a part of the samples of their sweeps."""
     try:
-        return _calibrated(machine, runs, (), seed, (MOST_OF_SWEEPS[0],) * 2).accepted
-    except (FitFailed, SingularCondensation, np.linalg.LinAlgError):
+        found = _fitted(machine, runs, seed, (MOST_OF_SWEEPS[0],) * 2)
+        return _verdict(found.problem, found.theta, found.converged)[0]
+    except NO_FIT:
         return False
 
 
-def _calibrated(
-    machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int, of_sweeps: tuple[int, int]
-) -> Calibrated:
-    """Return the calibration of runs that were checked, with the remarks on them. of_sweeps: as `MOST_OF_SWEEPS`."""
+def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int) -> Calibrated:
+    """Return the calibration of runs that were checked, with the remarks on them."""
+    found = _fitted(machine, runs, seed, MOST_OF_SWEEPS)
+    problem, scatter, theta = found.problem, found.scatter, found.theta
+    gains = problem.coordinates.channels.gains(theta)
+    remarks = (*found.held, *remarks, *found.first.remarks, *unlikely_gains(gains))
+    accepted, verdict = _verdict(problem, theta, found.converged)
+    wide = widened(problem, scatter, theta, found.sizes)
+    calibration = _calibration(
+        scatter.applied(problem, wide), theta, runs, wide, speeds=found.speeds, groups=scatter.group
+    ).model_copy(update={"verdict": "; ".join((verdict, *remarks))})
+    document = calibrated_document(machine, found.machine, calibration)
+    unique = bool(found.first.unique)
+    return Calibrated(document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds)
+
+
+def _fitted(machine: Machine, runs: Sequence[CalibrationRun], seed: int, of_sweeps: tuple[int, int]) -> _Fitted:
+    """Return the fit of all runs. of_sweeps: as `MOST_OF_SWEEPS`. Raises the errors of `calibrate`."""
     few, most = (_gathered(runs, most) for most in of_sweeps)
     fitted, held = with_free_parameters(machine, most.measurement)
     problem, scatter, speeds = _problem(fitted, few)
@@ -158,14 +223,7 @@ def _calibrated(
         problem, scatter, speeds = _problem(fitted, most)
         theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes)
     problem = scatter.applied(problem, sizes)
-    remarks = (*held, *remarks, *first.remarks, *unlikely_gains(problem.coordinates.channels.gains(theta)))
-    accepted, verdict = _verdict(problem, theta, converged)
-    wide = widened(problem, scatter, theta, sizes)
-    calibration = _calibration(
-        scatter.applied(problem, wide), theta, runs, wide, speeds=speeds, groups=scatter.group
-    ).model_copy(update={"verdict": "; ".join((verdict, *remarks))})
-    found = calibrated_document(machine, fitted, calibration)
-    return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
+    return _Fitted(fitted, held, problem, scatter, theta, sizes, converged, first, speeds)
 
 
 def _settled(
