@@ -61,7 +61,7 @@ def test_both_must_be_named_and_what_a_misalignment_brings_is_no_other_name() ->
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [1, 11])
+@pytest.mark.parametrize("seed", [1, 1013])
 def test_a_misaligned_turbine_generator_is_named_beside_a_softer_pedestal(seed: int) -> None:
     history = FilmHistory(seed, "flexible", "beyond", ONSET, "pedestal")
     found = record_of(history, weeks=ONSET + 3)
