@@ -172,9 +172,8 @@ def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> s
         stated = _fitted(machine, runs, seed, few)
     except NO_FIT:
         return ""
-    before, starts = log_likelihood(stated.problem, stated.theta), [stated.theta, stated.problem.coordinates.prior.centre]
-    better = []
-    for exchange in likely_exchanges(machine, stated.problem, starts):
+    before, better = log_likelihood(stated.problem, stated.theta), []
+    for exchange in likely_exchanges(machine, stated.problem, stated.theta):
         try:
             tried = _fitted(machine, exchange.runs(runs), seed, few)
         except NO_FIT:

@@ -26,6 +26,8 @@ CLEAR = 15.0
 """Logarithm of the ratio of likelihoods from which on an exchange is named [-]: far beyond chance, by a factor of 10⁶."""
 EQUALLY_WELL = 3.0
 """Logarithm of the ratio of likelihoods up to which exchanges cannot be told apart [-]."""
+PROMISING = 1.5
+"""Most times the misfit of the runs as stated, at the same coefficients, with which an exchange is calibrated in full [-]."""
 LIKELIEST = 3
 """Exchanges of each kind that are calibrated in full."""
 MANY_TIMES = 1000.0
@@ -75,25 +77,26 @@ class Exchange(Struct, frozen=True):
         return [replace(one, measurement=self.measurement(one.measurement)) for one in runs]
 
 
-def likely_exchanges(machine: Machine, problem: MountedProblem, starts: Sequence[Floats]) -> list[Exchange]:
-    """List the exchanges that fit best at given coefficients, those of probes first.
+def likely_exchanges(machine: Machine, problem: MountedProblem, theta: Floats) -> list[Exchange]:
+    """List the exchanges that fit hardly worse at given coefficients than no exchange, or better.
 
     Source: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036, for the gains at each.
 
     Args:
         machine: The machine.
         problem: Problem of its calibration, with sizes of scatter.
-        starts: Fit coordinates θ (n,) each, of which the best counts [-].
+        theta: Its fit's end θ (n,) [-].
 
     Returns:
         Some exchanges of each kind, the likeliest first.
     """
-
-    def misfit(exchange: Exchange) -> float:
-        return min(_misfit(problem, exchange, theta) for theta in starts)
-
-    kinds = (_of_probes(machine), _of_planes(machine), _of_weights(machine, problem.measurement))
-    return [one for kind in kinds for one in sorted(kind, key=misfit)[:LIKELIEST]]
+    stated = _misfit(problem, problem.measurement, theta)
+    found: list[Exchange] = []
+    for kind in (_of_probes(machine), _of_planes(machine), _of_weights(machine, problem.measurement)):
+        misfits = [_misfit(problem, one.measurement(problem.measurement), theta) for one in kind]
+        promising = [place for place in np.argsort(misfits) if misfits[place] <= PROMISING * stated]
+        found += [kind[place] for place in promising[:LIKELIEST]]
+    return found
 
 
 def log_likelihood(problem: MountedProblem, theta: Floats) -> float:
@@ -140,11 +143,11 @@ def exchange_text(better: Sequence[tuple[Exchange, float]], phasors: int) -> str
     return f"the runs fit {shown} times better with {named} exchanged: are leads, discs and columns the right ones?"
 
 
-def _misfit(problem: MountedProblem, exchange: Exchange, theta: Floats) -> float:
-    """Return χ² of an exchange with the gains, run-outs and unbalances that fit best at other coordinates (n,)."""
-    undone = replace(problem, measurement=exchange.measurement(problem.measurement))
-    weight = undone.weight(np.abs(undone.measurement.phasor), 0.0)
-    found = undone.chi_square(best_chains(undone, theta, weight), weight)
+def _misfit(problem: MountedProblem, measurement: Measurement, theta: Floats) -> float:
+    """Return χ² of other samples with the gains, run-outs and unbalances that fit best at the other coordinates (n,)."""
+    other = replace(problem, measurement=measurement)
+    weight = other.weight(np.abs(measurement.phasor), 0.0)
+    found = other.chi_square(best_chains(other, theta, weight), weight)
     return found if math.isfinite(found) else math.inf
 
 

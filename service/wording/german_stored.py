@@ -430,6 +430,10 @@ GERMAN_STORED: Mapping[str, str] = {
     ),
     "{density} kg/m³: steel has 7850 kg/m³": "{density} kg/m³: Stahl hat 7850 kg/m³",
     "was {value} g/cm³ meant?": "waren {value} g/cm³ gemeint?",
+    "{mass} kg is {times} times the mass of shaft '{shaft}', {own} kg: usual is 0.1 to 5 times": (
+        "{mass} kg ist das {times}-Fache der Masse von Welle '{shaft}', {own} kg: üblich ist das 0,1- bis 5-Fache"
+    ),
+    "was {value} g meant, {mass} kg?": "waren {value} g gemeint, {mass} kg?",
     "{elevation} µm is more than the radial clearance, {clearance} µm: usual are some 10 µm": (
         "{elevation} µm ist mehr als das radiale Lagerspiel, {clearance} µm: üblich sind einige 10 µm"
     ),

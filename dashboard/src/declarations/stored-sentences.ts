@@ -185,6 +185,8 @@ export const STORED_SENTENCES: Readonly<Record<string, Readonly<Record<string, s
     "{running} r/min lies below the speed range, {low} to {high} r/min": "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min",
     "{density} kg/m³: steel has 7850 kg/m³": "{density} kg/m³: Stahl hat 7850 kg/m³",
     "was {value} g/cm³ meant?": "waren {value} g/cm³ gemeint?",
+    "{mass} kg is {times} times the mass of shaft '{shaft}', {own} kg: usual is 0.1 to 5 times": "{mass} kg ist das {times}-Fache der Masse von Welle '{shaft}', {own} kg: üblich ist das 0,1- bis 5-Fache",
+    "was {value} g meant, {mass} kg?": "waren {value} g gemeint, {mass} kg?",
     "{elevation} µm is more than the radial clearance, {clearance} µm: usual are some 10 µm": "{elevation} µm ist mehr als das radiale Lagerspiel, {clearance} µm: üblich sind einige 10 µm",
     "elevations are in m, over the place at which couplings carry nothing": "Höhenlagen sind in m, über der Lage, bei der Kupplungen nichts tragen",
     "{clearance} µm is {part} of the radius, {radius} m: usual is 0.001 to 0.002 of it, half the difference of the diameters": "{clearance} µm ist das {part}-Fache des Radius, {radius} m: üblich ist das 0,001- bis 0,002-Fache, die halbe Differenz der Durchmesser",

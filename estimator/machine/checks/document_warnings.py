@@ -27,6 +27,9 @@ USUAL_VISCOSITY = (0.002, 0.2)
 LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
 """Lateral and angular stiffness of a coupling below which a warning asks whether the unit is right [N/m, N m/rad]."""
 
+HEAVIEST_DISC = 50.0
+"""Mass of a disc over that of its shaft above which a warning asks whether its unit is right [-]: examples have 0.5 to 3."""
+
 SLOWEST_RANGE = 120.0
 """End of a speed range below which a warning asks whether its speeds are in Hz: hardly any train is so slow [r/min]."""
 
@@ -68,6 +71,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
     return (
         *_slow_speeds(machine),
         *_light_materials(machine),
+        *_heavy_discs(machine),
         *of_laws,
         *_odd_films(machine),
         *_far_elevations(machine),
@@ -134,6 +138,26 @@ def _light_materials(machine: Machine) -> Iterator[DocumentWarning]:
                 f"materials.{name}.density",
                 f"{material.density:g} kg/m³: steel has 7850 kg/m³; was {material.density:g} g/cm³ meant?",
             )
+
+
+def _heavy_discs(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield discs that are so heavy that their shaft would not carry them."""
+    for number, disc in enumerate(machine.discs):
+        shaft = _mass(machine, machine.shaft(disc.shaft))
+        if shaft is not None and disc.mass > HEAVIEST_DISC * shaft:
+            words = f"{disc.mass:g} kg is {disc.mass / shaft:.0f} times the mass of shaft '{disc.shaft}', {shaft:.3g} kg"
+            meant = f"was {disc.mass:g} g meant, {disc.mass / 1e3:g} kg?"
+            yield DocumentWarning(f"discs[{number}].mass", f"{words}: usual is 0.1 to 5 times; {meant}")
+
+
+def _mass(machine: Machine, shaft: Shaft) -> float | None:
+    """Return the mass of a shaft [kg]; None where a density is so low that it is warned of itself."""
+    materials = [machine.materials[one.material] for one in shaft.sections]
+    if any(one.density < LEAST_DENSITY for one in materials):
+        return None
+    areas = [math.pi / 4 * (one.outer_diameter**2 - one.inner_diameter**2) for one in shaft.sections]
+    parts = zip(shaft.sections, materials, areas, strict=True)
+    return sum(material.density * area * section.length for section, material, area in parts)
 
 
 def _odd_films(machine: Machine) -> Iterator[DocumentWarning]:

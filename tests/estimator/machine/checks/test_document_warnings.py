@@ -1,12 +1,16 @@
 """Warnings of documents that are taken: what is probably a mistake is named with its place and what is usual."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import parse_machine
+from formats.files.document_files import read_machine
 from tests.estimator.statics.films import motor_compressor_document
+from tests.estimator.trains import chapter_3_document
+from tests.paths import EXAMPLES
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
@@ -127,3 +131,19 @@ def test_what_preload_leaves_of_a_clearance_is_judged() -> None:
     said = motor_compressor_document("flexible")
     said["bearings"][1]["film"].update(profile="elliptical", preload=0.5, radial_clearance=1.8e-4)
     assert document_warnings(parse_machine(said)) == ()
+
+
+def test_a_disc_in_grams_is_named_with_what_its_shaft_carries() -> None:
+    said = chapter_3_document()
+    assert document_warnings(parse_machine(said)) == ()
+    said["discs"][1]["mass"] = 1500.0
+    (warning,) = document_warnings(parse_machine(said))
+    assert str(warning) == (
+        "discs[1].mass: 1500 kg is 490 times the mass of shaft 'S1', 3.06 kg: usual is 0.1 to 5 times; "
+        "was 1500 g meant, 1.5 kg?"
+    )
+
+
+@pytest.mark.parametrize("document", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_the_discs_of_no_example_are_named(document: Path) -> None:
+    assert not [one for one in document_warnings(read_machine(document)) if one.field.startswith("discs")]
