@@ -158,8 +158,8 @@ def test_report_says_an_alert_s_state_at_the_end_of_the_period(
     seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=[today]))
     seen.open(f"reports/{MACHINE}")
     row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
-    expect(row.locator("td").nth(2)).to_have_text(word)
-    expect(row.locator("td").nth(5)).to_have_text(then["message"] if opened else gone)
+    expect(row.locator("td").nth(3)).to_have_text(word)
+    expect(row.locator("td").nth(1)).to_have_text(then["message"] if opened else gone)
     expect(seen.page.get_by_text(f"of which {opened} open at the end")).to_be_visible()
     expect(seen.page.locator("[data-element='coupling.C1']")).to_have_class(re.compile(marked))
     assert seen.errors == []
