@@ -99,6 +99,8 @@ class NominalFilms:
 def most_loaded_words(train: FilmTrain) -> str:
     """State which bearing has the highest pressure at rest.
 
+    Source: standard result: the load over the projected area, diameter times length.
+
     Args:
         train: The train on its films.
 
