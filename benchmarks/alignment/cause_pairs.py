@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from benchmarks.alignment.film_fleet import FleetRecord, record_of
-from benchmarks.alignment.film_histories import LONGEST_BASELINE, FilmHistory, Happening
+from benchmarks.alignment.film_histories import LONGEST_BASELINE, FilmHistory, Happening, expected_alert
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.motor_compressor import CouplingKind
 
@@ -44,13 +44,13 @@ def pair_figures(kind: CouplingKind, machines: int) -> Iterator[ReportLine]:
 def both_named(history: FilmHistory, record: FleetRecord) -> bool:
     """Return whether each cause that has a name stood as an alert in some week since both happened."""
     standing = {(rule, element) for week in record.standing[record.onset :] for rule, element, _ in week}
-    wanted = {history.named_of(cause) for cause in history.causes} - {None}
+    wanted = {expected_alert(history, cause) for cause in history.causes} - {None}
     return wanted <= standing
 
 
 def called_otherwise(history: FilmHistory, record: FleetRecord) -> Iterator[tuple[str, str]]:
     """Yield alerts of what has not happened."""
-    expected = {history.named_of(cause) for cause in history.causes}
+    expected = {expected_alert(history, cause) for cause in history.causes}
     following = (*FOLLOWING, "oil") if "oil" in history.causes else FOLLOWING  # colder oil is called oil, or nothing
     for one in record.opened:
         if (one.rule, one.element) not in expected and one.rule not in following:

@@ -151,7 +151,7 @@ class FilmHistory:
         """Return by how much the coupling's vertical offset differs in a week from the beginning [m]."""
         sign = 1.0 if self.seed % 4 < 2 else -1.0
         grown = sign * GROWTH * self.warmer(week)
-        return grown - (sum(map(self._sunk, self.causes)) if week >= self.onset else 0.0)
+        return grown - (sum(_sunk(self, cause) for cause in self.causes) if week >= self.onset else 0.0)
 
     def conditions(self, week: int) -> dict[str, float | None]:
         """Return the operating conditions that are sent in a week."""
@@ -163,59 +163,64 @@ class FilmHistory:
         train = moved(self.plant.train, offset=np.array([0.0, self.offset(week)]), angle=np.zeros(2))
         train = _thickened(train, thicker)
         for cause in self.causes if week >= self.onset else ():
-            train = self._changed(train, cause)
+            train = _changed(train, self, cause)
         return replace(self.plant, train=train)
 
     @property
     def number(self) -> int:
         """Return the place of the bearing, disc or probe that something happens to."""
-        return self._number_of(self.happening)
+        return _number_of(self, self.happening)
 
     @property
     def named(self) -> tuple[str, str] | None:
         """Return rule and element of the alert that what happens should raise; None for none."""
-        return self.named_of(self.happening)
+        return expected_alert(self, self.happening)
 
-    def named_of(self, happening: Happening) -> tuple[str, str] | None:
-        """Return rule and element of the alert that something should raise; None for none."""
-        number = self._number_of(happening)
-        rules: dict[Happening, tuple[str, str]] = {
-            "step": ("misalignment", "coupling.C1"),
-            "beyond": ("misalignment", "coupling.C1"),
-            "wear": ("wear", f"bearing.B{number + 1}"),
-            "pedestal": ("pedestal", f"pedestal.P{number + 1}"),
-            "unbalance": ("unbalance", f"disc.D{number + 1}"),
-            "gain": ("sensor", f"probe.{self.machine.probes[number % len(self.machine.probes)].id}"),
-            "bore": ("rotating_coupling", "coupling.C1"),
-            "face": ("rotating_coupling", "coupling.C1"),
-        }
-        return rules.get(happening)
 
-    def _number_of(self, happening: Happening) -> int:
-        bearings = len(self.plant.train.bearings)
-        many = {"wear": bearings, "pedestal": bearings, "unbalance": len(self.plant.train.discs)}
-        return self.seed % many.get(happening, len(self.machine.probes))
+def expected_alert(history: FilmHistory, happening: Happening) -> tuple[str, str] | None:
+    """Return rule and element of the alert that something should raise on a machine; None for none."""
+    number = _number_of(history, happening)
+    probes = history.machine.probes
+    rules: dict[Happening, tuple[str, str]] = {
+        "step": ("misalignment", "coupling.C1"),
+        "beyond": ("misalignment", "coupling.C1"),
+        "wear": ("wear", f"bearing.B{number + 1}"),
+        "pedestal": ("pedestal", f"pedestal.P{number + 1}"),
+        "unbalance": ("unbalance", f"disc.D{number + 1}"),
+        "gain": ("sensor", f"probe.{probes[number % len(probes)].id}"),
+        "bore": ("rotating_coupling", "coupling.C1"),
+        "face": ("rotating_coupling", "coupling.C1"),
+    }
+    return rules.get(happening)
 
-    def _changed(self, train: Train, cause: Happening) -> Train:
-        number = self._number_of(cause)
-        if cause == "wear":
-            return _worn(train, number, 1.15)
-        if cause == "pedestal":
-            return _softened(train, number, 0.8)
-        if cause == "unbalance":
-            return _unbalanced(train, number, 1.5)
-        if cause in RUN_OUTS:
-            turned = np.exp(1j * np.random.default_rng([self.seed, 4]).uniform(0.0, 2.0 * math.pi))
-            return _running_out(train, *(complex(turned * one) for one in RUN_OUTS[cause][self.kind]))
-        return train
 
-    def _sunk(self, cause: Happening) -> float:
-        sizes: dict[Happening, float] = {
-            "step": STEPS[self.kind],
-            "beyond": 2.0 * self.allowed.offset,
-            "within": 0.5 * self.allowed.offset,
-        }
-        return sizes.get(cause, 0.0)
+def _number_of(history: FilmHistory, happening: Happening) -> int:
+    bearings = len(history.plant.train.bearings)
+    many = {"wear": bearings, "pedestal": bearings, "unbalance": len(history.plant.train.discs)}
+    return history.seed % many.get(happening, len(history.machine.probes))
+
+
+def _changed(train: Train, history: FilmHistory, cause: Happening) -> Train:
+    number = _number_of(history, cause)
+    if cause == "wear":
+        return _worn(train, number, 1.15)
+    if cause == "pedestal":
+        return _softened(train, number, 0.8)
+    if cause == "unbalance":
+        return _unbalanced(train, number, 1.5)
+    if cause in RUN_OUTS:
+        turned = np.exp(1j * np.random.default_rng([history.seed, 4]).uniform(0.0, 2.0 * math.pi))
+        return _running_out(train, *(complex(turned * one) for one in RUN_OUTS[cause][history.kind]))
+    return train
+
+
+def _sunk(history: FilmHistory, cause: Happening) -> float:
+    sizes: dict[Happening, float] = {
+        "step": STEPS[history.kind],
+        "beyond": 2.0 * history.allowed.offset,
+        "within": 0.5 * history.allowed.offset,
+    }
+    return sizes.get(cause, 0.0)
 
 
 def _thickened(train: Train, factor: float) -> Train:
