@@ -253,7 +253,8 @@ def test_nothing_is_answered_as_stored_that_the_database_refused(http: Http, mon
     with http.database.transaction() as session:
         session.execute(text("ALTER TABLE sample_blocks RENAME TO away"))
     answer = http.post(rows(0, 5))
-    refused(answer, 503, "sample_blocks")
+    # PostgreSQL's own messages name more than callers may know.
+    refused(answer, 503, "sample_blocks" if http.database.engine.dialect.name == "sqlite" else "UndefinedTable of PostgreSQL")
     assert answer.headers["retry-after"] == "1"
     with http.database.transaction() as session:
         session.execute(text("ALTER TABLE away RENAME TO sample_blocks"))
