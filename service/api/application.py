@@ -33,6 +33,7 @@ from service.api.findings.bode import router as bode
 from service.api.findings.comparisons import router as comparisons
 from service.api.findings.deviations import router as deviations
 from service.api.findings.diagnoses import router as diagnoses
+from service.api.findings.film_coefficients import router as film_coefficients
 from service.api.findings.gained_unbalance import router as gained_unbalance
 from service.api.findings.identifications import router as identifications
 from service.api.findings.model import router as model
@@ -275,6 +276,7 @@ def _routes() -> list[BaseRoute]:
         model,
         bode,
         shaft_line,
+        film_coefficients,
         gained_unbalance,
         diagnoses,
         event_stream,

@@ -1,4 +1,5 @@
-// The coefficients of an oil film at the speeds that an identification tells them at: stiffness and damping, plots and numbers.
+// The coefficients of an oil film: stiffness and damping as curves over speed with bands, and their numbers at the speeds that
+// an identification tells them at.
 import { speedsInUnit, useUnits } from "../browser/units";
 import { Scroll } from "../components/scroll";
 import { Speed, useSpeedText } from "../components/speed";
@@ -6,6 +7,8 @@ import { TERMS } from "../declarations/terms";
 import { number, scaleOf, type Scale } from "../format/numbers";
 import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
+import type { Column } from "../schemas/columns";
+import type { FilmCurves } from "../schemas/model";
 import { missingReasons, type Bounded, type FilmCoefficient, type OilFilm } from "../words/oil-films";
 
 const KINDS = [
@@ -13,14 +16,14 @@ const KINDS = [
   ["damping", t("damping")],
 ] as const;
 
-export function FilmCoefficients({ film }: { film: OilFilm }) {
+export function FilmCoefficients({ film, curves }: { film: OilFilm; curves: FilmCurves }) {
   const speedText = useSpeedText();
   const named = film.coefficients.flatMap(({ term, at }) => at.map((one, place): [string, Bounded | undefined] => [t("termAtSpeed", { term, speed: speedText(film.speeds[place]) }), one]));
   return (
     <>
       <div class="film-plots">
         {KINDS.map(([quantity, kind]) => (
-          <Kind key={quantity} film={film} kind={kind} coefficients={film.coefficients.filter((one) => TERMS[one.term]?.quantity === quantity)} />
+          <Kind key={quantity} quantity={quantity} kind={kind} film={film} curves={curves} />
         ))}
       </div>
       {missingReasons(named).map(([reason, names]) => (
@@ -32,33 +35,35 @@ export function FilmCoefficients({ film }: { film: OilFilm }) {
   );
 }
 
-function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coefficients: FilmCoefficient[] }) {
+interface KindProps {
+  quantity: (typeof KINDS)[number][0];
+  kind: string;
+  film: OilFilm;
+  curves: FilmCurves;
+}
+
+function Kind({ quantity, kind, film, curves }: KindProps) {
   const { speed } = useUnits();
   const speedText = useSpeedText();
-  const all = coefficients.flatMap((one) => one.at);
-  const scale = scaleOf(Math.max(0, ...all.map((one) => Math.abs(one?.value ?? 0))), all[0]?.unit ?? "");
-  const column = (one: FilmCoefficient, of: "value" | "lower" | "upper") => one.at.map((at) => scaled(at?.[of], scale));
+  const ofKind = ({ term }: { term: string }) => TERMS[term]?.quantity === quantity;
+  const coefficients = film.coefficients.filter(ofKind);
+  const own = curves.bearings.find((one) => one.bearing === film.bearing)?.coefficients.filter(ofKind) ?? [];
+  const scale = scaleOf(Math.max(0, ...own.flatMap((one) => one.value.map((at) => Math.abs(at ?? 0)))), own[0]?.unit ?? "");
+  const numbers = (one: FilmCoefficient) => one.at.map((at) => number(scaled(at?.value, scale)));
+  const column = (values: Column) => values.map((one) => scaled(one, scale));
   return (
     <figure>
       <figcaption>
         <strong>{film.bearing}</strong> {kind} [{scale.unit}]
       </figcaption>
       <Plot
-        label={t("filmCoefficientPlot", { kind, bearing: film.bearing, unit: scale.unit, speeds: film.speeds.map(speedText).join(", "), values: coefficients.map((one) => `${one.term} ${column(one, "value").map((at) => number(at)).join(", ")}`).join("; ") })}
-        x={speedsInUnit(film.speeds, speed)}
+        label={t("filmCoefficientPlot", { kind, bearing: film.bearing, unit: scale.unit, speeds: film.speeds.map(speedText).join(", "), values: coefficients.map((one) => `${one.term} ${numbers(one).join(", ")}`).join("; ") })}
+        x={speedsInUnit(curves.speed, speed)}
         xUnit={speed.label}
         yUnit={scale.unit}
         height={220}
         syncGroup="films"
-        curves={coefficients.map((one) => ({
-          name: one.term,
-          y: column(one, "value"),
-          lower: column(one, "lower"),
-          upper: column(one, "upper"),
-          points: true,
-          bars: true,
-          spanGaps: true,
-        }))}
+        curves={own.map((one) => ({ name: one.term, y: column(one.value), lower: column(one.lower), upper: column(one.upper) }))}
       />
       <CoefficientTable speeds={film.speeds} coefficients={coefficients} scale={scale} />
     </figure>

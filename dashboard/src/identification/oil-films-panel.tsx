@@ -4,14 +4,17 @@ import type { DataColumn } from "../browser/download";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { useUnits } from "../browser/units";
+import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { Speed } from "../components/speed";
+import { useResource } from "../data/resource";
 import { number, scaleOf, type ShownUnits } from "../format/numbers";
 import { rich, t } from "../messages/messages";
 import { ClearanceCircle, type Coordinate } from "../plots/clearance-circle";
 import { SaveDrawing } from "../plots/save-buttons";
 import type { Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
+import type { FilmCurves } from "../schemas/model";
 import { missingReasons, oilFilms, type Bounded, type OilFilm } from "../words/oil-films";
 import { FilmCoefficients } from "./film-coefficients";
 
@@ -27,6 +30,7 @@ interface Props {
 /** Nothing where the identification tells of no films. */
 export function OilFilmsPanel({ machine, found, showsAll = false }: Props) {
   const films = oilFilms(found, machine);
+  const curves = useResource<FilmCurves>(films.length > 0 ? `/identifications/${found.id}/model/film-coefficients` : null);
   if (films.length === 0) return null;
   const documented = (bearing: string) => machine.bearings.find((one) => one.id === bearing)?.film ?? undefined;
   const withCoefficients = films.filter((one) => one.coefficients.length > 0);
@@ -42,7 +46,13 @@ export function OilFilmsPanel({ machine, found, showsAll = false }: Props) {
         ))}
       </div>
       {withCoefficients.length > 0 && <h3>{t("coefficientsOverSpeed")}</h3>}
-      {showsAll ? withCoefficients.map((one) => <FilmCoefficients key={one.bearing} film={one} />) : <ChosenCoefficients films={withCoefficients} />}
+      {withCoefficients.length > 0 && (
+        <Loaded result={curves} lines={12}>
+          {(found) =>
+            showsAll ? withCoefficients.map((one) => <FilmCoefficients key={one.bearing} film={one} curves={found} />) : <ChosenCoefficients films={withCoefficients} curves={found} />
+          }
+        </Loaded>
+      )}
     </Panel>
   );
 }
@@ -51,7 +61,7 @@ function turning({ rotation }: Document): string {
   return rotation ? t("shaftTurns", { sense: rotation === "positive" ? t("counterClockwise") : t("clockwise") }) : "";
 }
 
-function ChosenCoefficients({ films }: { films: OilFilm[] }) {
+function ChosenCoefficients({ films, curves }: { films: OilFilm[]; curves: FilmCurves }) {
   const { query } = useStore(route);
   const chosen = films.find((one) => one.bearing === query.get("bearing")) ?? films[0];
   if (!chosen) return null;
@@ -60,7 +70,7 @@ function ChosenCoefficients({ films }: { films: OilFilm[] }) {
       <div class="choices">
         <BearingSelect films={films} chosen={chosen.bearing} />
       </div>
-      <FilmCoefficients film={chosen} />
+      <FilmCoefficients film={chosen} curves={curves} />
     </>
   );
 }

@@ -29,31 +29,33 @@ export function OverviewTab({ found }: { found: MachineRevision }) {
   return (
     <>
       <div class="beside">
-        <Panel title={t("train")} aside={<TrainLegend />}>
-          <Loaded result={drawing} lines={15}>
-            {(train) => (
-              <TrainDrawing
-                name={machine.name}
-                drawing={train}
-                marks={elementMarks(alerts.data ?? [], deviations.data)}
-                onChoose={(element) => navigate(["machines", machine.id, "trends"], { element })}
-              />
-            )}
-          </Loaded>
-        </Panel>
+        <div>
+          <Panel title={t("train")} aside={<TrainLegend />}>
+            <Loaded result={drawing} lines={15}>
+              {(train) => (
+                <TrainDrawing
+                  name={machine.name}
+                  drawing={train}
+                  marks={elementMarks(alerts.data ?? [], deviations.data)}
+                  onChoose={(element) => navigate(["machines", machine.id, "trends"], { element })}
+                />
+              )}
+            </Loaded>
+          </Panel>
+          <Panel title={t("openAlerts")}>
+            <AlertList result={alerts} none={t("noOpenAlerts")} />
+            <Truncated shown={alerts.data?.length ?? 0} limit={MAX_OPEN_ALERTS} />
+          </Panel>
+        </div>
         <VibrationBarsPanel machine={machine} />
       </div>
       <DocumentWarningsPanel {...found} />
       <div class="columns">
         <div>
-          <Panel title={t("openAlerts")}>
-            <AlertList result={alerts} none={t("noOpenAlerts")} />
-            <Truncated shown={alerts.data?.length ?? 0} limit={MAX_OPEN_ALERTS} />
-          </Panel>
-          <LiveRunPanel machine={machine} />
+          <DeviationsPanel machine={machine} result={deviations} next={next} none={notComparableText(summary)} />
         </div>
         <div>
-          <DeviationsPanel machine={machine} result={deviations} next={next} none={notComparableText(summary)} />
+          <LiveRunPanel machine={machine} />
           <TimelinePanel machine={machine} />
         </div>
       </div>

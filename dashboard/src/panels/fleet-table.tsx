@@ -45,7 +45,7 @@ function Row({ one }: { one: FleetMachine }) {
   const needed = needs(one, useUnits());
   return (
     <tr data-machine={one.id}>
-      <td class="open">
+      <td class="open" data-label={t("openAlerts")}>
         <OpenAlerts one={one} />
       </td>
       <td>
@@ -54,7 +54,7 @@ function Row({ one }: { one: FleetMachine }) {
           {one.plant} / {one.id}
         </div>
       </td>
-      <td class="needs">
+      <td class="needs" data-label={t("needsAPersonTo")}>
         {needed.length === 0 && <span class="muted">{t("nothing")}</span>}
         {needed.map(({ words }) => (
           <div key={words}>{words}</div>

@@ -1,7 +1,7 @@
 // What is drawn on a plot's canvas besides its curves: baseline bands and markers.
 import type uPlot from "uplot";
 import { cssColour } from "../browser/theme";
-import { COLOURS, MARKER_SIGNS } from "./curve-style";
+import { MARKER_SIGNS } from "./curve-style";
 import type { PlotProps } from "./plot-props";
 
 export function drawBands(plot: uPlot, { bands }: PlotProps): void {
@@ -65,36 +65,5 @@ export function drawMarkers(plot: uPlot, { markers }: PlotProps): void {
     ctx.stroke();
     ctx.fillText(MARKER_SIGNS[one.kind], x, bbox.top + 10 * devicePixelRatio);
   }
-  ctx.restore();
-}
-
-/** Half the width of a bar's ends [px]. */
-const CAP = 4;
-
-export function drawBars(plot: uPlot, { x, curves }: PlotProps): void {
-  const { ctx, bbox } = plot;
-  const cap = CAP * devicePixelRatio;
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.clip();
-  ctx.lineWidth = 1.4 * devicePixelRatio;
-  curves.forEach(({ bars, lower, upper, style }, index) => {
-    if (!bars) return;
-    ctx.strokeStyle = cssColour(`s${(style ?? index) % COLOURS}`);
-    ctx.beginPath();
-    x.forEach((one, row) => {
-      const [low, high] = [lower?.[row] ?? null, upper?.[row] ?? null];
-      if (low === null || high === null) return;
-      const [at, bottom, top] = [plot.valToPos(one, "x", true), plot.valToPos(low, "y", true), plot.valToPos(high, "y", true)];
-      ctx.moveTo(at, bottom);
-      ctx.lineTo(at, top);
-      for (const end of [bottom, top]) {
-        ctx.moveTo(at - cap, end);
-        ctx.lineTo(at + cap, end);
-      }
-    });
-    ctx.stroke();
-  });
   ctx.restore();
 }

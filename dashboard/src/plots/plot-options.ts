@@ -3,7 +3,7 @@ import type uPlot from "uplot";
 import { cssColour } from "../browser/theme";
 import { decimal, number } from "../format/numbers";
 import { COLOURS, dash, transparent } from "./curve-style";
-import { drawBands, drawBars, drawLimits, drawMarkers } from "./plot-canvas";
+import { drawBands, drawLimits, drawMarkers } from "./plot-canvas";
 import { addGestures, isTouched } from "./plot-gestures";
 import type { Curve, PlotProps } from "./plot-props";
 import { withinTurn } from "./read-out";
@@ -50,7 +50,7 @@ export function plotOptions(latest: { current: PlotProps }, height: number, widt
     cursor: cursor(props),
     hooks: {
       drawAxes: [(plot) => drawBands(plot, latest.current), (plot) => drawLimits(plot, latest.current)],
-      draw: [(plot) => drawMarkers(plot, latest.current), (plot) => drawBars(plot, latest.current)],
+      draw: [(plot) => drawMarkers(plot, latest.current)],
       setCursor: [(plot) => onCursor(plot.cursor.idx ?? null)],
       setSelect: [(plot) => plot.select.width > 0 && (plot.root.dataset.zoomed = "1")],
       ready: [(plot) => addGestures(plot, latest)],
@@ -76,7 +76,7 @@ function seriesAndBands(curves: Curve[]): { series: uPlot.Series[]; bands: uPlot
       const main = series.length - 1;
       const bound: uPlot.Series = { stroke: "transparent", points: { show: false }, width: 0, spanGaps: one.spanGaps ?? false };
       series.push(bound, { ...bound });
-      if (!one.bars) bands.push({ series: [main + 2, main + 1], fill: transparent(stroke) });
+      bands.push({ series: [main + 2, main + 1], fill: transparent(stroke) });
     }
   });
   return { series, bands };

@@ -10,8 +10,6 @@ export interface Curve {
   /** Bounds around it, drawn as a band. */
   lower?: (number | null)[];
   upper?: (number | null)[];
-  /** The bounds are drawn as a bar at each point: nothing is said of what lies between. */
-  bars?: boolean;
   /** Paler, to compare the others with. */
   faint?: boolean;
   /** Joined across points that only other curves have. */

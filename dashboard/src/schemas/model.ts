@@ -67,6 +67,12 @@ export interface Centreline {
   measured: { run: number; speed: number[]; bearings: JournalPlaces[] }[];
 }
 
+/** Coefficients of oil films over speed in SI units; null where the data leave them too uncertain. */
+export interface FilmCurves {
+  speed: number[];
+  bearings: { bearing: string; coefficients: { term: string; unit: string; value: Column; lower: Column; upper: Column }[] }[];
+}
+
 export interface Load {
   amplitude: Column;
   lower: Column;

@@ -242,3 +242,27 @@ class CentrelineOut(OfModel):
     speed: OptionalValues
     bearings: list[JournalLine]
     measured: list[MeasuredLines] = Field(description="by run with gaps, each probe's zero set by the model")
+
+
+class CoefficientCurve(BaseModel):
+    """A coefficient of an oil film over speed with its 95 % band; null where the data leave it too uncertain."""
+
+    term: str = Field(description="such as kxx")
+    unit: str = Field(description="SI unit of value and band")
+    value: OptionalValues
+    lower: OptionalValues
+    upper: OptionalValues
+
+
+class FilmOverSpeed(BaseModel):
+    """The coefficients of one bearing's oil film."""
+
+    bearing: str
+    coefficients: list[CoefficientCurve]
+
+
+class FilmCoefficientsOut(OfModel):
+    """Coefficients of oil films, from the lowest speed at which they carry to running speed."""
+
+    speed: OptionalValues
+    bearings: list[FilmOverSpeed]

@@ -1,4 +1,4 @@
-"""The shaft centreline through the API: journals in their clearance circles as the model and as the gaps have them."""
+"""Oil films through the API: places of journals as the model and the gaps have them; coefficients over speed."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,9 +9,11 @@ import yaml
 
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import parse_machine
+from estimator.machine.film_speeds import reported_rpm
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.film_coefficients import film_coefficients
 from estimator.updated_model.model import model_at
 from estimator.updated_model.shaft_line import modelled_lines
 from storage.encoding.sample_blocks import Samples
@@ -108,3 +110,24 @@ def test_measured_lines_follow_the_journals_from_the_models_zero(api: Api) -> No
 def test_a_machine_without_films_has_no_centreline(api: Api) -> None:
     detail = problem(api.get("/identifications/2/model/centreline"), 422)["detail"]
     assert "no journal's place is known" in detail or "kept no model" in detail
+
+
+def test_coefficients_of_films_come_over_speed_with_their_bands(api: Api) -> None:
+    body = api.value("/identifications/1/model/film-coefficients", points=10)
+    found = outcome()
+    model = model_at(TRAIN, found.coordinates, found.point, found.covariance)
+    low, high = (rpm_to_rad_per_s(reported_rpm(TRAIN)[place]) for place in (0, -1))
+    exact = film_coefficients(model, speed=np.linspace(low, high, 10))
+    assert rpm_to_rad_per_s(body["speed"][0]) == pytest.approx(low)
+    assert rpm_to_rad_per_s(body["speed"][-1]) == pytest.approx(high)
+    told = [(one["bearing"], curve) for one in body["bearings"] for curve in one["coefficients"]]
+    assert len(told) == len(exact) == 32
+    for (bearing, curve), expected in zip(told, exact, strict=True):
+        assert (bearing, curve["term"], curve["unit"]) == (expected.bearing, expected.term, expected.unit)
+        for name in ("value", "lower", "upper"):
+            assert curve[name] == pytest.approx(getattr(expected, name), rel=1e-5)
+
+
+def test_a_machine_without_films_has_no_film_coefficients(api: Api) -> None:
+    detail = problem(api.get("/identifications/2/model/film-coefficients"), 422)["detail"]
+    assert "no coefficients follow from them" in detail or "kept no model" in detail

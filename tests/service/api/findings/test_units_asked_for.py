@@ -42,8 +42,8 @@ def takes_units() -> dict[str, tuple[str, dict[str, Any]]]:
     found = {}
     for path, item in json.loads((ROOT / "docs" / "openapi.json").read_text())["paths"].items():
         takes = {one["name"]: one for one in item.get("get", {}).get("parameters", [])}
-        # A centreline is of machines on oil films only, and a report no JSON.
-        if "units" in takes and not path.endswith(("/centreline", "/report.pdf")):
+        # Centrelines and films are of machines on oil films only, and a report no JSON.
+        if "units" in takes and not path.endswith(("/centreline", "/film-coefficients", "/report.pdf")):
             units = "n_um" if "n_um" in takes["units"]["description"] else "hz,mil_p,rad_lead"
             found[path.removeprefix(PREFIX)] = units, {name: value for name, value in ASKED.items() if name in takes}
     return found
