@@ -14,7 +14,9 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
-from tests import test_docstrings, test_places_to_touch, test_rooms, test_sizes
+from tests import test_docstrings, test_rooms, test_sizes
+from tests.additions.additions import ADDITIONS
+from tests.additions.package_copy import PackageCopy
 from tests.estimator import test_docstrings as estimator_docstrings
 from tests.estimator import test_sources
 from tests.rooms import ROOMS
@@ -49,11 +51,16 @@ def figures() -> Iterator[HouseFigure]:
     yield from _rooms()
     yield from _sizes()
     yield from _docstrings()
-    for what, add in test_places_to_touch.ADDITIONS.items():
-        with TemporaryDirectory() as folder:
-            copy = test_places_to_touch.Copy(Path(folder), runs=False)
-            add(copy)
-            yield HouseFigure(f"files to touch for one more {what}", test_places_to_touch.BOUNDS[what], len(copy.touched))
+    yield from _additions()
+
+
+def _additions() -> Iterator[HouseFigure]:
+    with TemporaryDirectory() as folder:
+        copy = PackageCopy(Path(folder), runs=False)
+        for one in ADDITIONS:
+            copy.forget()
+            one.add(copy)
+            yield HouseFigure(f"files to touch for one more {one.name}", one.most_files, len(copy.touched))
 
 
 def _rooms() -> Iterator[HouseFigure]:

@@ -23,7 +23,7 @@ from estimator.phasors.channel_status import ChannelStatus
 from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
 from formats.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
-from service.journal.batch import ArrivedBatch
+from service.write_path.batch import ArrivedBatch
 from storage.encoding.sample_blocks import Samples
 from storage.findings import identifications, jobs
 from storage.findings.identifications import Origin
@@ -115,7 +115,7 @@ def sweep_rpm(first: float, last: float, count: int = 40) -> list[float]:
 
 
 def arrived(one: SampleBatch, *, received_at: int = START + 86_400 * SECOND) -> ArrivedBatch:
-    """The batch as the ingest hands it to the journal."""
+    """The batch as the ingest hands it to the write path."""
     return ArrivedBatch(one, KEY.samples, encode_batch(one), received_at)
 
 

@@ -1,12 +1,12 @@
-"""A journal behind which runs are closed at once; `rundown serve` does that in another thread, tenths of a second later."""
+"""A sample writer behind which runs are closed at once; in `rundown serve` another thread does it, tenths of seconds later."""
 
 from collections.abc import Set
 from typing import Any
 
-from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.sample_writer import SampleWriter
 from service.runs.closing import Closing
 from service.runs.collector import Collector
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.measurements.quarantine import Rejection
 

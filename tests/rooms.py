@@ -109,25 +109,25 @@ service/reports: estimator estimator/alignment estimator/diagnosis estimator/mac
     service/identification service/monitoring service/replication service/resilience
     service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
     storage/measurements storage/tables
-service/journal: estimator estimator/machine formats/wire service/replication service/resilience service/runs
+service/write_path: estimator estimator/machine formats/wire service/replication service/resilience service/runs
     storage/database storage/encoding storage/machines storage/measurements storage/tables
-service/mqtt: estimator/machine formats/wire service/advice service/alerts service/configuration service/journal
+service/mqtt: estimator/machine formats/wire service/advice service/alerts service/configuration service/write_path
     service/replication service/resilience storage storage/alerts storage/database storage/findings storage/machines
     storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine formats/files service/http service/identification service/secrets
     service/security service/wording storage storage/findings
-service/recovery: formats/wire service/journal service/replication service/resilience storage/encoding
+service/recovery: formats/wire service/write_path service/replication service/resilience storage/encoding
 service/api/cache: estimator estimator/machine estimator/machine/checks service/api/conventions service/http
     service/workers storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends formats/wire
-    service/api/conventions service/http service/identification service/journal service/security storage
+    service/api/conventions service/http service/identification service/write_path service/security storage
     storage/encoding storage/machines storage/measurements storage/tables
 service/api/operation: formats/wire rotorundown/environment service/api/conventions service/configuration service/http
     service/replication service/security storage storage/alerts storage/database storage/findings storage/measurements
     storage/operation storage/tables
-service/ingest: formats/wire service/journal service/recovery service/replication service/resilience storage
+service/ingest: formats/wire service/write_path service/recovery service/replication service/resilience storage
     storage/database storage/machines storage/measurements
 service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
@@ -147,7 +147,7 @@ service/api/alerts: estimator service/advice service/alerts service/api/cache se
     service/security service/wording storage storage/alerts storage/database storage/machines storage/tables
 service/api: rotorundown/environment service/advice service/api/alerts service/api/cache service/api/conventions
     service/api/findings service/api/machines service/api/measurements service/api/operation service/api/trends
-    service/configuration service/delivery service/http service/identification service/journal service/reports
+    service/configuration service/delivery service/http service/identification service/write_path service/reports
     service/resilience service/security storage/database storage/tables
 service/doctor: formats/wire service/api service/configuration service/delivery service/maintenance service/messaging
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
@@ -158,7 +158,7 @@ service/commands: estimator estimator/alignment estimator/balancing estimator/be
     estimator/updated_model formats/files formats/recordings formats/wire rotorundown rotorundown/environment
     service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
     service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
-    service/journal service/maintenance service/messaging service/monitoring/rules service/mqtt service/opcua
+    service/write_path service/maintenance service/messaging service/monitoring/rules service/mqtt service/opcua
     service/replication service/reports service/resilience service/runs service/secrets service/security service/sources
     service/wording service/workers storage storage/backup storage/database storage/encoding storage/machines
     storage/operation storage/tables

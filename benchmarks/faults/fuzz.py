@@ -1,4 +1,4 @@
-"""Rubbish by the hundred thousand through decoding and journal into a real store: what was rejected why, what memory it cost.
+"""Rubbish by the hundred thousand through decoding and write path into a store: what was rejected why, what memory it cost.
 
 After each part of the cases all that is in the store is looked at: nothing that no shaft does may be there for a fit to find.
 

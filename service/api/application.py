@@ -83,7 +83,6 @@ from service.http.head_requests import HeadRequests
 from service.http.idempotency import Idempotency
 from service.http.security_headers import SecurityHeaders
 from service.identification.job_quota import JobQuota
-from service.journal.http_queue import SubmissionSink
 from service.reports.report_process import ReportProcess
 from service.resilience.rate_limit import RateLimit
 from service.security.authentication import Authentication
@@ -94,6 +93,7 @@ from service.security.operations import Operations
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ScopedRows, Visibility
+from service.write_path.http_queue import SubmissionSink
 from storage.database.engine import Database
 from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
 from storage.tables.findings import IdentificationRow, JobRow

@@ -14,8 +14,6 @@ from service.delivery.dispatcher import Dispatcher
 from service.delivery.signing_secrets import SigningSecrets
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions, SubmissionSink
-from service.journal.sample_writer import SampleWriter
 from service.maintenance.backup_check import BackupCheck
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.store_check import StoreCheck
@@ -26,6 +24,8 @@ from service.runs.closing import Closing
 from service.runs.collector import Collector
 from service.security.audit_watch import AuditWatch
 from service.security.certificates import days_left
+from service.write_path.http_queue import Submissions, SubmissionSink
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ import zenoh
 from formats.wire import InternalErrorReason, Key, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from service.ingest.clock_doubt import OwnClock
 from service.ingest.inbox import PublishedMessage
-from service.journal.batch import ArrivedBatch
-from service.journal.http_queue import UNFORESEEN, NotStoring, Submission
-from service.journal.refusals import Refusals
-from service.journal.sample_writer import SampleWriter
 from service.resilience.internal_errors import see_log
+from service.write_path.batch import ArrivedBatch
+from service.write_path.http_queue import UNFORESEEN, NotStoring, Submission
+from service.write_path.refusals import Refusals
+from service.write_path.sample_writer import SampleWriter
 from storage.clock import now
 from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection

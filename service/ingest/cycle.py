@@ -17,12 +17,12 @@ from service.ingest.inbox import Inbox
 from service.ingest.intake import Intake
 from service.ingest.periodic_checks import IngestChecks
 from service.ingest.received_queryable import ReceivedQueryable
-from service.journal.http_queue import NotStoring, Submissions
-from service.journal.sample_writer import SampleWriter
-from service.journal.source_backoff import SourceBackoff
-from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
+from service.write_path.http_queue import NotStoring, Submissions
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.source_backoff import SourceBackoff
+from service.write_path.write_batch import WriteBatch
 from storage.database.errors import LeaseLost
 
 logger = logging.getLogger(__name__)

@@ -7,9 +7,9 @@ import msgspec
 import zenoh
 
 from formats.wire import ALL_SUBMIT, IDENTIFIER, JSON, Fault, Key, Reason, Rejected
-from service.journal.batch import StoreOutcome
-from service.journal.http_queue import Busy, NotStoring, Publication, Submissions
 from service.replication.work_share import Share
+from service.write_path.batch import StoreOutcome
+from service.write_path.http_queue import Busy, NotStoring, Publication, Submissions
 from storage.database.engine import Database
 from storage.machines import machines
 

@@ -6,10 +6,10 @@ import time
 import zenoh
 
 from service.ingest.cycle import CYCLE_S, IngestCycle
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
 from service.replication.work_share import Share, WholeShare
 from service.resilience.supervised_thread import UNEXPECTED, SupervisedThread
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database.errors import LeaseLost, error_message, error_outline, is_database_wide
 from storage.recent_maximum import RecentMaximum
 

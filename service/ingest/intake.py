@@ -5,12 +5,12 @@ import time
 from formats.wire import Key, Rejected
 from service.ingest.admission import Admission
 from service.ingest.inbox import Inbox, PublishedMessage
-from service.journal.http_queue import UNFORESEEN, NotStoring, Submission, Submissions
-from service.journal.sample_writer import SampleWriter
-from service.journal.source_backoff import SourceBackoff
-from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
+from service.write_path.http_queue import UNFORESEEN, NotStoring, Submission, Submissions
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.source_backoff import SourceBackoff
+from service.write_path.write_batch import WriteBatch
 from storage.database.errors import error_outline, is_database_wide
 
 LARGEST_CYCLE = 1_000

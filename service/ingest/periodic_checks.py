@@ -5,9 +5,9 @@ import time
 from collections.abc import Callable
 
 from service.ingest.clock_doubt import OwnClock
-from service.journal.sample_writer import SampleWriter
 from service.recovery.gap_recovery import GapRecovery
 from service.resilience.supervised_thread import UNEXPECTED
+from service.write_path.sample_writer import SampleWriter
 from storage.database.errors import LeaseLost, error_message, is_database_wide
 
 logger = logging.getLogger(__name__)

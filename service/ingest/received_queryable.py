@@ -6,8 +6,8 @@ import msgspec
 import zenoh
 
 from formats.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
-from service.journal.sample_writer import SampleWriter
 from service.replication.work_share import Share
+from service.write_path.sample_writer import SampleWriter
 from storage.database.errors import is_database_wide
 
 logger = logging.getLogger(__name__)

@@ -16,14 +16,14 @@ import aiomqtt
 
 from formats.wire import MESSAGEPACK, Key, Rejected, encode_body, recognised
 from service.configuration.mqtt_settings import MqttSettings
-from service.journal.batch import StoreOutcome
-from service.journal.http_queue import Busy, NotStoring, Publication, SubmissionSink
 from service.mqtt.broker import UNCONFIRMED, confirm, encoding_of, new_client, only_new, queue_of
 from service.mqtt.connection import MqttThread
 from service.mqtt.mapped_machines import MappedMachines
 from service.mqtt.sparkplug_nodes import NAMESPACE, SparkplugNodes
 from service.mqtt.topics import Topics
 from service.replication.work_share import INGEST, Share
+from service.write_path.batch import StoreOutcome
+from service.write_path.http_queue import Busy, NotStoring, Publication, SubmissionSink
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
 

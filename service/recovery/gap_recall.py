@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import zenoh
 
 from formats.wire import Key
-from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
 from service.recovery.known_logs import KnownLogs
 from service.recovery.live_sources import LiveSources
@@ -13,6 +12,7 @@ from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
 from service.resilience.backoff import Backoff
 from service.resilience.bounded_dict import BoundedDict
+from service.write_path.source_backoff import SourceBackoff
 from storage.encoding.source_key import SourceKey
 
 

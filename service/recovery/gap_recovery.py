@@ -13,8 +13,6 @@ from dataclasses import dataclass
 import zenoh
 
 from formats.wire import Key
-from service.journal.batch import ArrivedBatch
-from service.journal.source_backoff import SourceBackoff
 from service.recovery.gap_recall import GapRecall
 from service.recovery.known_logs import KnownLogs
 from service.recovery.live_sources import LiveSources
@@ -23,6 +21,8 @@ from service.recovery.log_replay import LogReplays, Replay, is_behind_gap
 from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
 from service.recovery.quiet_logs import QuietLogs
 from service.replication.work_share import Share
+from service.write_path.batch import ArrivedBatch
+from service.write_path.source_backoff import SourceBackoff
 from storage.encoding.source_key import SourceKey
 
 PATIENCE_S = 3.0

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import zenoh
 
 from formats.wire import Key
-from service.journal.batch import LARGEST_GAP, ArrivedBatch
-from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
 from service.recovery.known_logs import KnownLogs
 from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.protocols import BatchSink, ReplyReader
 from service.resilience.bounded_dict import BoundedDict
+from service.write_path.batch import LARGEST_GAP, ArrivedBatch
+from service.write_path.source_backoff import SourceBackoff
 from storage.encoding.source_key import SourceKey
 
 

@@ -10,8 +10,8 @@ from typing import Protocol
 import zenoh
 
 from formats.wire import Key
-from service.journal.batch import ArrivedBatch
-from service.journal.sequence_gaps import SequenceGap
+from service.write_path.batch import ArrivedBatch
+from service.write_path.sequence_gaps import SequenceGap
 from storage.encoding.source_key import SourceKey
 
 

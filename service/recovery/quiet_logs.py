@@ -6,7 +6,6 @@ While a machine's source is unknown, the machine's logs are first queried for an
 import zenoh
 
 from formats.wire import Key
-from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
 from service.recovery.gap_recall import GapRecall
 from service.recovery.known_logs import KnownLogs
@@ -14,6 +13,7 @@ from service.recovery.live_sources import LiveSources
 from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.log_replay import LogReplays
 from service.recovery.protocols import ReplyReader
+from service.write_path.source_backoff import SourceBackoff
 from storage.encoding.source_key import SourceKey
 
 

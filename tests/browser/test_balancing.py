@@ -53,6 +53,18 @@ def _send(dialog: Locator, button: str) -> None:
     dialog.get_by_role("button", name=button, exact=True).click()
 
 
+def _add_trial(seen: Seen, run: int, disc: str) -> None:
+    """Add a run with the trial weight on a disc to the balancing that is shown."""
+    dialog = _step(seen, "Add a trial run …")
+    dialog.get_by_label("Run with the weight").select_option(str(run))
+    dialog.locator("select[name=disc]").select_option(disc)
+    dialog.get_by_label("Amount").fill(str(TRIAL_G_MM))
+    dialog.get_by_label("Angle").fill("0")
+    _send(dialog, "Add")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.get_by_text(f"Trial run {run}: 5000 g·mm on {disc} at 0°")).to_be_visible()
+
+
 def _until_tried(seen: Seen, machine: str, runs: list[int], *, despite_alert: bool = False) -> None:
     """Begin a balancing with the first of some runs, and add the second as a trial."""
     seen.open(f"machines/{machine}/balancing")
@@ -63,14 +75,7 @@ def _until_tried(seen: Seen, machine: str, runs: list[int], *, despite_alert: bo
     dialog.get_by_label("Run without trial weights").select_option(str(runs[0]))
     _send(dialog, "Begin")
     expect(dialog).to_have_count(0)
-    dialog = _step(seen, "Add a trial run …")
-    dialog.get_by_label("Run with the weight").select_option(str(runs[1]))
-    dialog.locator("select[name=disc]").select_option("D1")
-    dialog.get_by_label("Amount").fill(str(TRIAL_G_MM))
-    dialog.get_by_label("Angle").fill("0")
-    _send(dialog, "Add")
-    expect(dialog).to_have_count(0)
-    expect(seen.page.get_by_text(f"Trial run {runs[1]}: 5000 g·mm on D1 at 0°")).to_be_visible()
+    _add_trial(seen, runs[1], "D1")
 
 
 def _closed_runs(service: Service, machine: str) -> list[int]:
@@ -137,14 +142,7 @@ def test_a_trial_is_withdrawn_with_a_reason_and_the_correction_goes_with_it(seen
     expect(seen.page.get_by_role("button", name="Compute the correction …")).to_have_count(0)
     found = service.get(f"/machines/{COPY}/balancings")[0]
     assert (found["state"], found["trials"], found["correction"]) == ("begun", [], None)
-    dialog = _step(seen, "Add a trial run …")
-    dialog.get_by_label("Run with the weight").select_option(str(runs[1]))
-    dialog.locator("select[name=disc]").select_option("D2")
-    dialog.get_by_label("Amount").fill(str(TRIAL_G_MM))
-    dialog.get_by_label("Angle").fill("0")
-    _send(dialog, "Add")
-    expect(dialog).to_have_count(0)
-    expect(seen.page.get_by_text(f"Trial run {runs[1]}: 5000 g·mm on D2 at 0°")).to_be_visible()
+    _add_trial(seen, runs[1], "D2")
     assert seen.errors == []
 
 

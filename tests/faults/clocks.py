@@ -3,8 +3,8 @@
 import random
 from dataclasses import dataclass, replace
 
-from service.journal.batch import ArrivedBatch
 from service.runs.collector import Collector
+from service.write_path.batch import ArrivedBatch
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
 from storage.encoding.source_key import SourceKey

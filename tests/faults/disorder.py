@@ -16,8 +16,8 @@ from estimator.simulation.simulated_plant import draw_truth, measured_phasors, s
 from formats.wire import SampleBatch, encode_batch, source_key
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask
-from service.journal.batch import ArrivedBatch
 from service.runs.collector import Collector
+from service.write_path.batch import ArrivedBatch
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines

@@ -1,4 +1,4 @@
-"""Rubbish for the ingest: messages of every kind of wrong, from hypothesis, through decoding and journal into a real store."""
+"""Rubbish for the ingest: wrong messages of every kind, from hypothesis, through decoding and write path into a real store."""
 
 import json
 import random
@@ -25,9 +25,9 @@ from formats.wire import (
     encode_body,
     frame,
 )
-from service.journal.batch import ArrivedBatch
-from service.journal.sample_writer import SampleWriter
 from service.runs.collector import Collector
+from service.write_path.batch import ArrivedBatch
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
 from storage.measurements import quarantine

@@ -16,10 +16,10 @@ from estimator.phasors.quality import Quality
 from formats.wire import JSON, SampleBatch, encode_batch
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask
-from service.journal.sample_writer import SampleWriter
 from service.messaging.session import session as stream_session
 from service.messaging.session import wait_connected
 from service.runs.collector import Collector
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines

@@ -16,7 +16,7 @@ from functools import cache
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, RectBivariateSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly, RectBivariateSpline
 
 from tests.film_plant.arrays import Floats
 from tests.film_plant.profile import PROFILES, Pad, Profile, reach
@@ -88,11 +88,12 @@ class RoundTable:
         slope = -rows[:, [2, 4]]
         scaled = fade[:, None] ** FORCE_POWER * rows[:, :2]
         inner = -2.0 * FORCE_POWER * ROUND_WAYS * fade ** (FORCE_POWER - 1)
-        self._force = CubicHermiteSpline(
-            ROUND_WAYS, scaled, fade[:, None] ** FORCE_POWER * slope + inner[:, None] * rows[:, :2]
-        )
-        self._slope = self._force.derivative()
-        self._damping = CubicSpline(ROUND_WAYS, fade[:, None] ** DAMPING_POWER * rows[:, 6:])
+        force = CubicHermiteSpline(ROUND_WAYS, scaled, fade[:, None] ** FORCE_POWER * slope + inner[:, None] * rows[:, :2])
+        damping = CubicSpline(ROUND_WAYS, fade[:, None] ** DAMPING_POWER * rows[:, 6:])
+        quadratic = force.derivative().c
+        # One look-up of all: the slope as cubics without their first term.
+        cubic = np.concatenate([np.zeros_like(quadratic[:1]), quadratic])
+        self._splines = PPoly(np.concatenate([force.c, cubic, damping.c], axis=2), ROUND_WAYS)
 
     def way(self, position: Floats) -> float:
         """Way to the wall: the eccentricity."""
@@ -104,13 +105,13 @@ class RoundTable:
         if way > ROUND_WAYS[-1]:
             raise OutsideTable(f"eccentricity {way:.3f} is above {ROUND_WAYS[-1]:.3f}")
         fade = 1.0 - way**2
-        scaled = self._force(way)
-        force = scaled / fade**FORCE_POWER
-        slope = self._slope(way) / fade**FORCE_POWER + 2 * FORCE_POWER * way / fade * force
+        force, slope, damping = np.split(self._splines(way), [2, 4])
+        force = force / fade**FORCE_POWER
+        slope = slope / fade**FORCE_POWER + 2 * FORCE_POWER * way / fade * force
         # The limit in the middle: force there is that of the slope.
         across = force / way if way > 1e-6 else slope
         stiffness = -np.array([[slope[0], -across[1]], [slope[1], across[0]]])
-        damping = (self._damping(way) / fade**DAMPING_POWER).reshape(2, 2)
+        damping = (damping / fade**DAMPING_POWER).reshape(2, 2)
         cosine, sine = position / way if way > 1e-6 else (1.0, 0.0)
         turn = np.array([[cosine, -sine], [sine, cosine]])
         return FilmValues(turn @ force, turn @ stiffness @ turn.T, turn @ damping @ turn.T)

@@ -1,5 +1,6 @@
 """A plant: a true train, what is believed of it, and what its probes say."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -107,15 +108,17 @@ class Plant:
 
     def damping_ratios(self, speed: Floats) -> Floats:
         """Smallest damping ratio of the train's modes at speeds (S,) [rad/s]; negative where it whirls [-]."""
+        return np.array(list(self._damping_ratios(speed)))
+
+    def is_damped(self, speed: Floats, *, ratio: float) -> bool:
+        """Tell whether all modes are damped by more than a ratio [-] at speeds (S,) [rad/s]; end at the first that says no."""
+        return all(one > ratio for one in self._damping_ratios(speed))
+
+    def _damping_ratios(self, speed: Floats) -> Iterator[float]:
         films = self.films(speed)
-        return np.array(
-            [
-                smallest_damping_ratio(
-                    eigenvalues(self.matrices, speed=float(w), stiffness=k, damping=c), HIGHEST_MODE * self.fastest
-                )
-                for w, k, c in zip(speed, films.stiffness, films.damping, strict=True)
-            ]
-        )
+        for w, k, c in zip(speed, films.stiffness, films.damping, strict=True):
+            values = eigenvalues(self.matrices, speed=float(w), stiffness=k, damping=c)
+            yield smallest_damping_ratio(values, HIGHEST_MODE * self.fastest)
 
     def with_discrepancy(self, discrepancy: FilmChange) -> "Plant":
         """The same plant with films that differ from their model."""

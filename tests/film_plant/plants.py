@@ -169,7 +169,7 @@ def _with_discrepancy(plant: Plant, size: DiscrepancySize | None, rng: np.random
     for _ in range(MOST_DRAWS):
         drawn = Discrepancy(size, len(plant.train.bearings), slowest=plant.slowest, fastest=plant.fastest, rng=rng)
         found = plant.with_discrepancy(drawn)
-        if found.damping_ratios(found.speeds(CHECKED_SPEEDS)).min() > SMALLEST_RATIO:
+        if found.is_damped(found.speeds(CHECKED_SPEEDS), ratio=SMALLEST_RATIO):
             return found
     raise RuntimeError(f"{plant.name} is stable with none of {MOST_DRAWS} discrepancies")
 
@@ -187,7 +187,7 @@ def _checked(plant: Plant) -> Plant | None:
         or films.load[..., 1].min() <= 0.0
     ):
         return None
-    if plant.damping_ratios(plant.speeds(CHECKED_SPEEDS)).min() < SMALLEST_RATIO:
+    if not plant.is_damped(plant.speeds(CHECKED_SPEEDS), ratio=SMALLEST_RATIO):
         return None
     orbit = np.abs(plant.phasors(plant.films(plant.speeds(60)))).reshape(60, -1, 2) / plant.train.clearances[:, None]
     factor = min(1.0, LARGEST_ORBIT / orbit.max())

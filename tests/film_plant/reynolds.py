@@ -26,6 +26,8 @@ Field = Callable[[Pad, Floats], Floats]
 
 MOST_CHANGES = 300
 """Most changes of the active set before it is given up."""
+FEWEST_ALONG = 8
+"""Fewest cells along half of the length of a mesh whose film is looked for on a mesh of half as many cells first."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,7 @@ class FilmSolver:
         self.profile = profile
         self.rupture = rupture
         self.along = along
+        self._slenderness = slenderness
         self._axial = 1.0 / slenderness**2
         arcs = np.array([pad.end - pad.start for pad in profile.pads])
         self._cells = [max(8, round(around * arc / arcs.sum())) for arc in arcs]
@@ -87,7 +90,7 @@ class FilmSolver:
         cubed = _Thickness(film.middle**3, film.entry**3, film.exit**3)
         flow = self._conductance(cubed)
         wedge = self._columns(-6.0 * (film.exit - film.entry))
-        pressure, active = self._complementary(flow, wedge, start)
+        pressure, active = self._complementary(flow, wedge, self._coarser_film(position) if start is None else start)
         inside = np.flatnonzero(active)
         sources = np.stack([*self._displaced(film, pressure), *self._moving()], axis=1)
         change = np.zeros((active.size, 4))
@@ -99,8 +102,24 @@ class FilmSolver:
         """Pressure in the cells (around, along) at a position (2,) [μω(R/c)²]."""
         film = self._film(lambda pad, angle: thickness(pad, angle, position))
         flow = self._conductance(_Thickness(film.middle**3, film.entry**3, film.exit**3))
-        found, _ = self._complementary(flow, self._columns(-6.0 * (film.exit - film.entry)), None)
+        found, _ = self._complementary(flow, self._columns(-6.0 * (film.exit - film.entry)), self._coarser_film(position))
         return found.reshape(-1, self.along)
+
+    def _coarser_film(self, position: Floats) -> Booleans | None:
+        """Cells (around, along) that carry pressure on a mesh of half as many: nearly those of this one, found sooner."""
+        if not self.rupture or self._coarser is None:
+            return None
+        carrying = self._coarser.pressure(position) > 0.0
+        return np.asarray(carrying.repeat(2, axis=0).repeat(2, axis=1))
+
+    @cached_property
+    def _coarser(self) -> "FilmSolver | None":
+        """Solver with half as many cells either way, where there is one."""
+        around = int(sum(self._cells))
+        if self.along < FEWEST_ALONG or self.along % 2 or around % 2:
+            return None
+        half = FilmSolver(self.profile, self._slenderness, around=around // 2, along=self.along // 2)
+        return half if [2 * one for one in half._cells] == self._cells else None
 
     def _film(self, field: Field) -> _Thickness:
         """A field over angles of each pad at middles and faces."""

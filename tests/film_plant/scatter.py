@@ -42,7 +42,7 @@ def run_of(plant: Plant, rng: np.random.Generator) -> Plant:
     """
     for _ in range(MOST_DRAWS):
         found = _drawn(plant, rng)
-        if found.damping_ratios(found.speeds(CHECKED)).min() > SMALLEST_RATIO:
+        if found.is_damped(found.speeds(CHECKED), ratio=SMALLEST_RATIO):
             return found
     raise RuntimeError(f"{plant.name} whirls in each of {MOST_DRAWS} runs")
 

@@ -29,7 +29,7 @@ def urgent() -> Iterator[None]:
 
 @pytest.fixture
 def writer(plant: Database) -> PromptWriter:
-    """A journal as a service that just started has it."""
+    """A sample writer as a service that just started has it."""
     return PromptWriter(plant, Collector())
 
 

@@ -19,8 +19,8 @@ from service.api.conventions.problems import RESPONSES
 from service.api.measurements import schemas
 from service.http.error_status import STATUS
 from service.http.problem import Problem
-from service.journal.http_queue import RETRY_AFTER_S, SubmissionSink
 from service.security.requirement import SOURCE
+from service.write_path.http_queue import RETRY_AFTER_S, SubmissionSink
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
 

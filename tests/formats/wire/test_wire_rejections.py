@@ -29,7 +29,7 @@ from formats.wire import (
     frame,
     to_samples,
 )
-from service.journal.plausibility import Plausibility
+from service.write_path.plausibility import Plausibility
 from tests.formats.wire.wire_messages import HUGE, NAN, NOW, body_of, converted, decoded, packed, reason_of
 from tests.plant import CHANNELS, KEY, batch, document, few_examples, machine
 

@@ -7,9 +7,9 @@ import zenoh
 from sqlalchemy.exc import OperationalError
 
 from service.ingest.ingest_thread import Ingest
-from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.measurements.quarantine import Rejection
 from tests.service.ingest.plant_network import (

@@ -8,14 +8,14 @@ import zenoh
 
 from formats.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
 from service.ingest.ingest_thread import Ingest
-from service.journal.batch import ArrivedBatch
-from service.journal.sample_writer import SampleWriter
-from service.journal.sequence_gaps import SequenceGap
-from service.journal.source_backoff import SourceBackoff
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.sources.publisher import Source
+from service.write_path.batch import ArrivedBatch
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.sequence_gaps import SequenceGap
+from service.write_path.source_backoff import SourceBackoff
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.measurements import quarantine

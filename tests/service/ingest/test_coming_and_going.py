@@ -10,12 +10,12 @@ from sqlalchemy.exc import OperationalError
 from formats.wire import ALL_LIVE, Key
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
-from service.journal.sample_writer import SampleWriter
-from service.journal.source_backoff import SourceBackoff
-from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as recovery_module
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.source_backoff import SourceBackoff
+from service.write_path.write_batch import WriteBatch
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until

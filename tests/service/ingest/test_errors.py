@@ -11,16 +11,16 @@ from sqlalchemy import select
 from formats.wire import MESSAGEPACK, encode_body, source_key
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
-from service.journal import single_writes
-from service.journal.batch import StoreOutcome
-from service.journal.http_queue import NotStoring, Submissions
-from service.journal.sample_writer import SampleWriter
-from service.journal.sequence_gaps import SequenceGap
 from service.recovery import gap_recovery as recovery_module
 from service.recovery import known_logs
 from service.resilience import backoff as backoff_module
 from service.runs.collector import Collector
 from service.sources.publisher import Source
+from service.write_path import single_writes
+from service.write_path.batch import StoreOutcome
+from service.write_path.http_queue import NotStoring, Submissions
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.sequence_gaps import SequenceGap
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.machines import machines

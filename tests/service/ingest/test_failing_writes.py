@@ -10,15 +10,15 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 
 from formats.wire import MESSAGEPACK, encode_batch, encode_body
 from service.ingest import ingest_thread as ingest_module
-from service.journal import single_writes
-from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.http_queue import NotStoring, Submissions
-from service.journal.sample_writer import SampleWriter
-from service.journal.source_backoff import SourceBackoff
-from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as recovery_module
 from service.resilience import backoff as backoff_module
 from service.runs.collector import Collector
+from service.write_path import single_writes
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.http_queue import NotStoring, Submissions
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.source_backoff import SourceBackoff
+from service.write_path.write_batch import WriteBatch
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.measurements.quarantine import Rejection

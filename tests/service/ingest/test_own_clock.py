@@ -10,10 +10,10 @@ import zenoh
 
 from formats.wire import JSON, encode_body
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
 from service.runs.collector import Collector
 from service.sources.publisher import Source
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, batch, wait_until

@@ -15,12 +15,12 @@ from formats.wire import JSON, encode_body
 from service.configuration.settings import Settings
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_tiers import Tier
 from service.maintenance.store_check import StoreCheck
 from service.runs.collector import Collector
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database import file_inspection
 from storage.database.damage import is_damage, marker_of
 from storage.database.engine import Database

@@ -14,14 +14,14 @@ from formats.wire import JSON, encode_body
 from service.commands.app import app
 from service.configuration.settings import Settings
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
 from service.maintenance import housekeeping
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_cut_offs import DAY_NS
 from service.maintenance.retention_tiers import Blocks
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs

@@ -9,11 +9,11 @@ import zenoh
 
 from service.configuration.settings import Settings
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
 from service.mqtt.sample_intake import MqttSamples
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from tests.mosquitto import Mosquitto, broker
 from tests.plant import wait_until

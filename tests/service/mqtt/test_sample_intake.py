@@ -11,12 +11,12 @@ import zenoh
 
 from formats.wire import BINARY, JSON, MESSAGEPACK, encode_body
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
-from service.journal.sample_writer import SampleWriter
 from service.mqtt.broker import LARGEST_PACKET
 from service.mqtt.sample_intake import MqttSamples, PublishedBody
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
+from service.write_path.http_queue import Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.measurements import quarantine
 from tests.mosquitto import Mosquitto

@@ -10,9 +10,9 @@ import zenoh
 from formats.wire import MESSAGEPACK, Key, encode_batch
 from service.ingest import periodic_checks
 from service.ingest.ingest_thread import Ingest
-from service.journal.sequence_gaps import NEVER, SequenceGap
 from service.sources.publisher import Source
 from service.sources.replay_log import MemoryLog
+from service.write_path.sequence_gaps import NEVER, SequenceGap
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, wait_until

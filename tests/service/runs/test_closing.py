@@ -5,11 +5,11 @@ import threading
 import pytest
 from sqlalchemy.orm import Session
 
-from service.journal.sample_writer import SampleWriter
 from service.runs import closing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
 from service.runs.run_samples import RunContent, gather
+from service.write_path.sample_writer import SampleWriter
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.measurements import runs

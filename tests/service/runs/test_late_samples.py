@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy.orm import Session
 
-from service.journal.sequence_gaps import NEVER
 from service.runs import late_samples
 from service.runs.collector import Collector
 from service.runs.late_samples import BESIDE, LARGEST_COUNT, Window, add_late
+from service.write_path.sequence_gaps import NEVER
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.encoding.source_key import SourceKey

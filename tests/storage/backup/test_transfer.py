@@ -23,18 +23,34 @@ from storage.tables.alerting import AlertRow
 from storage.tables.machines import TimelineRow
 from storage.tables.measurements import QuarantineRow, RunRow
 from storage.tables.operation import AuditHeadRow, AuditRow
-from tests.databases import KINDS, Databases, Kind, PostgresqlDatabases, SqliteDatabases
+from tests.conftest import Stores
+from tests.databases import KINDS, Databases, Kind
 from tests.plant import START, identification, machine, sqlite_url, store_identification
 from tests.postgresql import connection
 from tests.storage.database.test_migrations import ROWS, TABLES, value
 
 
 @pytest.fixture(params=KINDS)
-def target(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
-    """URL of a database that holds nothing."""
-    kind: Kind = request.param
-    there: Databases = SqliteDatabases() if kind == "sqlite" else PostgresqlDatabases(request.getfixturevalue("postgresql"))
+def target_kind(request: pytest.FixtureRequest) -> Kind:
+    """Return to which kind of database data are taken over."""
+    found: Kind = request.param
+    return found
+
+
+@pytest.fixture
+def unmade_target(target_kind: Kind, stores: Stores, tmp_path: Path) -> Iterator[str]:
+    """URL of a database that holds nothing, not even a schema."""
+    there = stores.databases(target_kind)
     url = there.new(tmp_path / f"moved_{tmp_path.name}.db")
+    yield url
+    there.drop(url)
+
+
+@pytest.fixture
+def target(target_kind: Kind, stores: Stores, tmp_path: Path) -> Iterator[str]:
+    """URL of a database that holds its schema and no data: to make it anew takes longer than most tests."""
+    there = stores.databases(target_kind)
+    url = there.copy(stores.empty(target_kind), tmp_path / f"moved_{tmp_path.name}.db")
     yield url
     there.drop(url)
 
@@ -64,10 +80,10 @@ def contents(url: str) -> dict[str, list[Any]]:
     return found
 
 
-def test_every_table_is_taken_over(full: Database, target: str) -> None:
+def test_every_table_is_taken_over(full: Database, unmade_target: str) -> None:
     expected = contents(full.url)
-    assert move(full.url, target).rows == dict.fromkeys((table.name for table in TABLES), ROWS)
-    found = contents(target)
+    assert move(full.url, unmade_target).rows == dict.fromkeys((table.name for table in TABLES), ROWS)
+    found = contents(unmade_target)
     for name, rows in expected.items():
         # SQLite keeps a truth as a number, which is shown as one only where it is the answer to a question.
         assert [[_truth(one) for one in row] for row in found[name]] == [[_truth(one) for one in row] for row in rows], name
@@ -104,12 +120,12 @@ def join(url: str) -> int:
 
 
 def test_numbers_are_not_given_again_to_what_is_no_longer_there(
-    plant: Database, target: str, databases: Databases, tmp_path: Path
+    plant: Database, target: str, databases: Databases, empty_template: str, tmp_path: Path
 ) -> None:
     """Nor behind the way back, nor when nothing was numbered in between."""
     assert [join(plant.url) for _ in range(3)] == [1, 2, 3]
     move(plant.url, target)
-    back, again = (databases.new(tmp_path / name) for name in ("back.db", "again.db"))
+    back, again = (databases.copy(empty_template, tmp_path / name) for name in ("back.db", "again.db"))
     move(target, back)
     assert join(back) == 4
     move(back, again)
@@ -192,10 +208,10 @@ def test_what_is_no_number_is_null_in_the_other(plant: Database, target: str) ->
     moved.close()
 
 
-def test_a_source_that_is_not_there_is_not_made(tmp_path: Path, target: str) -> None:
+def test_a_source_that_is_not_there_is_not_made(tmp_path: Path, unmade_target: str) -> None:
     """As of a name that was mistyped: moving nothing would look like success."""
     with pytest.raises(DatabaseUnusable, match=r"there is no database file .*mistyped\.db"):
-        move(sqlite_url(tmp_path / "mistyped.db"), target)
+        move(sqlite_url(tmp_path / "mistyped.db"), unmade_target)
     assert list(tmp_path.glob("*.db")) == []
 
 

@@ -18,7 +18,7 @@ CONDITIONS = [{"name": "oil", "unit": "degC"}, {"name": "load", "unit": "%"}]
 
 @pytest.fixture
 def warm(plant: Database) -> PromptWriter:
-    """A journal of a machine whose newest revision names two conditions; two samples came under the one before."""
+    """A sample writer of a machine whose newest revision names two conditions; two samples came under the one before."""
     writer = PromptWriter(plant, Collector())
     writer.store([arrived(batch([900.0, 901.0]))], [])
     with plant.transaction() as session:

@@ -36,9 +36,9 @@ from service.api.operation import metrics
 from service.api.operation.refusal_words import MEANINGS, refusal_words
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Busy, NotStoring, Submissions
-from service.journal.sample_writer import SampleWriter
 from service.runs.collector import Collector
+from service.write_path.http_queue import Busy, NotStoring, Submissions
+from service.write_path.sample_writer import SampleWriter
 from storage.clock import now
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey

@@ -12,10 +12,10 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from formats.wire import SampleBatch, source_key
-from service.journal.batch import ArrivedBatch
-from service.journal.source_backoff import SourceBackoff
-from service.journal.write_batch import WriteBatch
 from service.runs.collector import Collector
+from service.write_path.batch import ArrivedBatch
+from service.write_path.source_backoff import SourceBackoff
+from service.write_path.write_batch import WriteBatch
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.encoding.source_key import SourceKey

@@ -3,8 +3,8 @@
 import pytest
 
 from formats.wire import to_samples
-from service.journal import batch as batches
-from service.journal.batch import ArrivedBatch
+from service.write_path import batch as batches
+from service.write_path.batch import ArrivedBatch
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import samples as sample_store

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from service.journal.pacing import LONGEST_IN_TRANSACTION_S, LONGEST_S, PAUSE_S, Pacing
+from service.write_path.pacing import LONGEST_IN_TRANSACTION_S, LONGEST_S, PAUSE_S, Pacing
 
 
 def paused_s(pacing: Pacing, steps: int) -> float:

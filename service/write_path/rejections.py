@@ -6,9 +6,9 @@ from dataclasses import replace
 from sqlalchemy.exc import DBAPIError
 
 from formats.wire import Fault, InternalErrorReason, Reason, Rejected
-from service.journal.batch import ArrivedBatch
-from service.journal.http_queue import UNFORESEEN, NotStoring
 from service.resilience.internal_errors import see_log
+from service.write_path.batch import ArrivedBatch
+from service.write_path.http_queue import UNFORESEEN, NotStoring
 from storage.database.damage import is_damage
 from storage.measurements.quarantine import Rejection
 

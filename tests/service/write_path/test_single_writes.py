@@ -11,14 +11,14 @@ import zenoh
 from sqlalchemy.exc import OperationalError
 
 from service.ingest.ingest_thread import Ingest
-from service.journal import single_writes, write_batch
-from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.http_queue import NotStoring
-from service.journal.sample_writer import SampleWriter
-from service.journal.source_backoff import SourceBackoff
-from service.journal.write_batch import WriteBatch
 from service.replication.work_share import lease_of
 from service.runs.collector import Collector
+from service.write_path import single_writes, write_batch
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.http_queue import NotStoring
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.source_backoff import SourceBackoff
+from service.write_path.write_batch import WriteBatch
 from storage.database.engine import Database
 from storage.measurements.quarantine import Rejection
 from tests.plant import KEY, SECOND, START, arrived, batch, wait_until

@@ -11,11 +11,11 @@ from typing import Protocol
 
 from sqlalchemy.exc import IntegrityError
 
-from service.journal.batch import HeldBatch, StoreOutcome
-from service.journal.http_queue import UNFORESEEN, NotStoring
-from service.journal.refusals import Refusals
-from service.journal.sample_writer import SampleWriter
-from service.journal.source_backoff import SourceBackoff
+from service.write_path.batch import HeldBatch, StoreOutcome
+from service.write_path.http_queue import UNFORESEEN, NotStoring
+from service.write_path.refusals import Refusals
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.source_backoff import SourceBackoff
 from storage.database.errors import is_database_wide
 from storage.encoding.source_key import SourceKey
 

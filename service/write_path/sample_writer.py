@@ -17,13 +17,13 @@ from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
 from formats.wire import Rejected, SourceReceived
-from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.numbering import Numbering, Pending
-from service.journal.pacing import Pacing
-from service.journal.sequence_gaps import SequenceGap, stored_gaps
 from service.replication.work_share import Share, WholeShare
 from service.runs.collector import Collector
 from service.runs.silence import SilentMachines
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.numbering import Numbering, Pending
+from service.write_path.pacing import Pacing
+from service.write_path.sequence_gaps import SequenceGap, stored_gaps
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, join
 from storage.encoding.source_key import SourceKey

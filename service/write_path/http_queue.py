@@ -8,7 +8,7 @@ from typing import Protocol
 
 from estimator.errors import LimitReached, Unavailable
 from formats.wire import Rejected
-from service.journal.batch import StoreOutcome
+from service.write_path.batch import StoreOutcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """Answer to whoever waits, after an unexpected error."""

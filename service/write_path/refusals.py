@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 
-from service.journal import rejections
-from service.journal.batch import ArrivedBatch, StoreOutcome
-from service.journal.http_queue import NotStoring
-from service.journal.sample_writer import SampleWriter
+from service.write_path import rejections
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.http_queue import NotStoring
+from service.write_path.sample_writer import SampleWriter
 from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
 

@@ -11,11 +11,11 @@ from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
 from formats.wire import Fault, Rejected, SampleBatch
-from service.journal import rejections, sequence_gaps
-from service.journal.batch import LARGEST_GAP, ArrivedBatch, StoreOutcome
-from service.journal.plausibility import Plausibility
-from service.journal.sequence_gaps import FilledPart, SequenceGap
 from service.resilience.bounded_dict import BoundedDict
+from service.write_path import rejections, sequence_gaps
+from service.write_path.batch import LARGEST_GAP, ArrivedBatch, StoreOutcome
+from service.write_path.plausibility import Plausibility
+from service.write_path.sequence_gaps import FilledPart, SequenceGap
 from storage.encoding.sample_blocks import Samples
 from storage.encoding.source_key import SourceKey
 from storage.measurements import samples

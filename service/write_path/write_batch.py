@@ -1,6 +1,6 @@
 """The write batch: accepted batches wait here until the end of the cycle and are stored in one transaction.
 
-When that fails they are stored one by one (`service/journal/single_writes.py`).
+When that fails they are stored one by one (`service/write_path/single_writes.py`).
 """
 
 import logging
@@ -8,14 +8,14 @@ import time
 from collections.abc import Collection
 from concurrent.futures import Future
 
-from service.journal.batch import LARGEST_GAP, ArrivedBatch, HeldBatch, StoreOutcome
-from service.journal.http_queue import UNFORESEEN, NotStoring
-from service.journal.refusals import Refusals
-from service.journal.sample_writer import SampleWriter
-from service.journal.single_writes import SingleWrites
-from service.journal.source_backoff import SourceBackoff
 from service.replication.work_share import lease_of
 from service.resilience.bounded_dict import BoundedDict
+from service.write_path.batch import LARGEST_GAP, ArrivedBatch, HeldBatch, StoreOutcome
+from service.write_path.http_queue import UNFORESEEN, NotStoring
+from service.write_path.refusals import Refusals
+from service.write_path.sample_writer import SampleWriter
+from service.write_path.single_writes import SingleWrites
+from service.write_path.source_backoff import SourceBackoff
 from storage.database.errors import is_database_wide
 from storage.encoding.source_key import SourceKey
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from formats.wire import Fault
-from service.journal.plausibility import FASTEST_CHANGE, JITTER, STRIKES, Plausibility
+from service.write_path.plausibility import FASTEST_CHANGE, JITTER, STRIKES, Plausibility
 from tests.plant import SECOND, START, few_examples, machine, samples
 
 HIGHEST = 3000.0
