@@ -208,7 +208,9 @@ def read_csv_table(path: Path) -> RunTable:
     header, *body = rows
     separator = next((words for sign, words in OTHER_SEPARATORS.items() if sign in header[0]), None)
     if len(header) == 1 and separator:
-        raise WrongRun(f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point")
+        raise WrongRun(
+            f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point, or give it a sidecar"
+        )
     require_different([known_name(name) for name in header])
     for line, row in enumerate(body, start=2):
         if row and len(row) != len(header):
