@@ -112,7 +112,7 @@ class RunTable(Struct, frozen=True, eq=False):
             wanted = " or ".join(f"{machine.channels[0]}{end}" for end in AMPLITUDE_ENDS)
             raise WrongRun(
                 f"no column holds an amplitude of a channel of '{machine.id}' ({', '.join(machine.channels)}): "
-                f"name it such as {wanted}; there are {_some(self.columns)}"
+                f"name it such as {wanted}; there are {_first_names(self.columns)}"
             )
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
@@ -182,7 +182,9 @@ class RunTable(Struct, frozen=True, eq=False):
             unknown = [one for one in self.columns if not is_known_name(one)]
             close = dict.fromkeys(one for name in names for one in close_names(name, unknown))
             asked = f"; does {' or '.join(map(repr, close))} hold it?" if close else ""
-            raise WrongRun(f"no column holds {what}: name it {' or '.join(names)}; there are {_some(self.columns)}{asked}")
+            raise WrongRun(
+                f"no column holds {what}: name it {' or '.join(names)}; there are {_first_names(self.columns)}{asked}"
+            )
         if len(found) > 1:
             raise WrongRun(f"columns {' and '.join(map(repr, found))} hold {what}: which one counts?")
         return found[0]
@@ -221,7 +223,7 @@ def read_csv_table(path: Path) -> RunTable:
     return RunTable.of({name: [row[i] for row in body if row] for i, name in enumerate(header)})
 
 
-def _some(columns: Iterable[str]) -> str:
+def _first_names(columns: Iterable[str]) -> str:
     """Return the first names of columns, and how many more there are."""
     names = list(columns)
     more = len(names) - MOST_LISTED

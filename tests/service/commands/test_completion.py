@@ -17,7 +17,7 @@ words=(rundown ide)
 CURRENT=2
 _rundown
 """
-"""What zsh does at the first Tab of a session: it loads the function by its name and calls it."""
+"""The first Tab of a session in zsh: it loads the function by its name and calls it."""
 
 
 @pytest.fixture
