@@ -26,7 +26,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def close_names(name: str, known: Iterable[str]) -> list[str]:
-    """Return the names that are like the one given, the closest first.
+    """Return the names that are like the one given, the closest first; `coupling.C1.kxx` is like `C1.kxx`, too.
 
     Args:
         name: The name.
@@ -35,5 +35,8 @@ def close_names(name: str, known: Iterable[str]) -> list[str]:
     Returns:
         At most `MOST_MATCHES` of them.
     """
+    names = list(known)
+    ends = [one for one in names if one.endswith(f".{name}")]
     least = SHORT_LIKENESS if len(name) <= SHORT else LIKENESS
-    return difflib.get_close_matches(name, list(known), n=MOST_MATCHES, cutoff=least)
+    alike = difflib.get_close_matches(name, names, n=MOST_MATCHES, cutoff=least)
+    return list(dict.fromkeys([*ends, *alike]))[:MOST_MATCHES]

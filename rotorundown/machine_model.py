@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from estimator.updated_model.modal_uncertainty import modes_at
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import PhasorBand
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 HIGHEST_ABOVE_RANGE = 1.25
 """Highest speed of critical speeds and Campbell diagram, as a multiple of the speed range's end."""
 CAMPBELL_SPEEDS = 40
@@ -35,7 +39,8 @@ class Model:
     updated: UpdatedModel
 
     def __str__(self) -> str:
-        results = ("critical_speeds", "campbell", "modes", "response", "coupling_loads", "balance_grades", "balance")
+        diagram = ("campbell", "plot_campbell")
+        results = ("critical_speeds", *diagram, "modes", "response", "coupling_loads", "balance_grades", "balance")
         return f"{self.machine.id}: model with {', '.join(f'{name}()' for name in results)}"
 
     __repr__ = __str__
@@ -62,6 +67,12 @@ class Model:
             highest_frequency=self._highest,
             coefficients=self.updated.coefficients,
         )
+
+    def plot_campbell(self) -> "Figure":
+        """Plot the Campbell diagram. Raises PackageMissing without matplotlib."""
+        from rotorundown.plots.campbell import campbell_diagram
+
+        return campbell_diagram(self.campbell())
 
     def modes(self, speed_rpm: float) -> Modes:
         """Return eigenvalues and shapes at a spin speed [r/min]."""

@@ -148,9 +148,7 @@ class Result(Struct, frozen=True, eq=False, dict=True):
 
     def plot_campbell(self) -> "Figure":
         """Plot the Campbell diagram of the updated model."""
-        from rotorundown.plots.campbell import campbell_diagram
-
-        return campbell_diagram(self.model.campbell())
+        return self.model.plot_campbell()
 
     def plot_orbit(self, speed_rpm: float) -> "Figure":
         """Plot the fitted 1× orbits at all stations with two probes, at one speed [r/min]."""

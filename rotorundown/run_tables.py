@@ -1,7 +1,7 @@
 """Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any, get_args
@@ -52,6 +52,8 @@ UNIT_OPTIONS = {
 """Units of a table, as `read_run` takes them."""
 BEGINNING_NS = 946_771_200_000_000_000
 """Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
+MOST_LISTED = 12
+"""Most columns of a table that an error lists."""
 WIDE_PHASES_DEG = 90.0
 """Spread of the phases of other channels [°] beside which one within a turn in radians is doubted."""
 SMALLEST_AMPLITUDE, LIKELY_AMPLITUDE = 1e-9, 1e-7
@@ -110,7 +112,7 @@ class RunTable(Struct, frozen=True, eq=False):
             wanted = " or ".join(f"{machine.channels[0]}{end}" for end in AMPLITUDE_ENDS)
             raise WrongRun(
                 f"no column holds an amplitude of a channel of '{machine.id}' ({', '.join(machine.channels)}): "
-                f"name it such as {wanted}; there are {', '.join(self.columns)}"
+                f"name it such as {wanted}; there are {_first_names(self.columns)}"
             )
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
@@ -180,7 +182,9 @@ class RunTable(Struct, frozen=True, eq=False):
             unknown = [one for one in self.columns if not is_known_name(one)]
             close = dict.fromkeys(one for name in names for one in close_names(name, unknown))
             asked = f"; does {' or '.join(map(repr, close))} hold it?" if close else ""
-            raise WrongRun(f"no column holds {what}: name it {' or '.join(names)}; there are {', '.join(self.columns)}{asked}")
+            raise WrongRun(
+                f"no column holds {what}: name it {' or '.join(names)}; there are {_first_names(self.columns)}{asked}"
+            )
         if len(found) > 1:
             raise WrongRun(f"columns {' and '.join(map(repr, found))} hold {what}: which one counts?")
         return found[0]
@@ -206,7 +210,9 @@ def read_csv_table(path: Path) -> RunTable:
     header, *body = rows
     separator = next((words for sign, words in OTHER_SEPARATORS.items() if sign in header[0]), None)
     if len(header) == 1 and separator:
-        raise WrongRun(f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point")
+        raise WrongRun(
+            f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point, or give it a sidecar"
+        )
     require_different([known_name(name) for name in header])
     for line, row in enumerate(body, start=2):
         if row and len(row) != len(header):
@@ -215,6 +221,13 @@ def read_csv_table(path: Path) -> RunTable:
                 "write a point"
             )
     return RunTable.of({name: [row[i] for row in body if row] for i, name in enumerate(header)})
+
+
+def _first_names(columns: Iterable[str]) -> str:
+    """Return the first names of columns, and how many more there are."""
+    names = list(columns)
+    more = len(names) - MOST_LISTED
+    return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
 def _seconds(values: Floats) -> Floats:

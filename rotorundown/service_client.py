@@ -1,7 +1,8 @@
 """Client of a running service: machines, runs, identifications, trends and alerts as rows, frames, and runs to identify."""
 
 from datetime import datetime
-from typing import Any, NoReturn
+from operator import index
+from typing import Any, NoReturn, SupportsIndex
 from urllib.parse import quote
 
 import msgspec
@@ -47,18 +48,18 @@ class Service:
 
     def machine(self, machine: str) -> Machine:
         """Return a machine, as its document in force describes it."""
-        return read_machine(self._requests.read(f"/machines/{quote(machine, safe='')}")["document"])
+        return read_machine(self._requests.read(f"/machines/{_id(machine)}")["document"])
 
     def runs(self, machine: str, *, first: datetime | None = None, last: datetime | None = None) -> Rows[RunEntry]:
         """Return the runs that began in a time range, newest first."""
-        return self._rows(RunEntry, f"/machines/{quote(machine, safe='')}/runs", _period(first, last))
+        return self._rows(RunEntry, f"/machines/{_id(machine)}/runs", _period(first, last))
 
     def run(self, number: int, *, machine: Machine | None = None) -> MachineRun:
         """Return a recorded run, to identify here. machine: the machine to take it for; by default as the service knows it.
 
         Raises WrongRun where it is not a run of the machine in its own sense of rotation.
         """
-        found = self._requests.read(f"/runs/{int(number)}/phasors")
+        found = self._requests.read(f"/runs/{_number(number, 'run')}/phasors")
         described = self.machine(found["machine"]) if machine is None else machine
         if set(found["direction"]) - {described.rotation}:
             raise WrongRun(f"run {number} does not turn as '{described.id}' does, {described.rotation}")
@@ -72,12 +73,13 @@ class Service:
         self, machine: str, *, first: datetime | None = None, last: datetime | None = None
     ) -> Rows[IdentificationEntry]:
         """Return the identifications measured in a time range, newest first."""
-        path = f"/machines/{quote(machine, safe='')}/identifications"
+        path = f"/machines/{_id(machine)}/identifications"
         return self._rows(IdentificationEntry, path, _period(first, last))
 
     def estimates(self, identification: int) -> Rows[EstimateEntry]:
         """Return the estimates of an identification."""
-        return _decoded(EstimateEntry, self._requests.read(f"/identifications/{int(identification)}")["estimates"])
+        path = f"/identifications/{_number(identification, 'identification')}"
+        return _decoded(EstimateEntry, self._requests.read(path)["estimates"])
 
     def trend(
         self,
@@ -88,8 +90,13 @@ class Service:
         most: int = MOST_POINTS,
     ) -> Rows[TrendPoint]:
         """Return the histories of parameters such as `coupling.C1.kxx`, oldest first, each of at most `most` points."""
+        wrong = next((one for one in parameters if not isinstance(one, str)), None)
+        if wrong is not None or not parameters:
+            raise ServiceError(
+                f"a parameter is a name such as 'coupling.C1.kxx', {_not(wrong)}: name one or more, none in a list"
+            )
         asked = {"parameter": list(parameters), "max_points": most} | _period(first, last)
-        found = self._requests.read(f"/machines/{quote(machine, safe='')}/trends", asked)
+        found = self._requests.read(f"/machines/{_id(machine)}/trends", asked)
         points = [
             {"parameter": series["parameter"], "unit": series["unit"]} | dict(zip(SERIES_COLUMNS, values, strict=True))
             for series in found["series"]
@@ -99,7 +106,7 @@ class Service:
 
     def alerts(self, machine: str | None = None, *, only_open: bool = False) -> Rows[AlertEntry]:
         """Return alerts, newest first. machine: those of one machine only."""
-        path = "/alerts" if machine is None else f"/machines/{quote(machine, safe='')}/alerts"
+        path = "/alerts" if machine is None else f"/machines/{_id(machine)}/alerts"
         return self._rows(AlertEntry, path, {"open": str(only_open).lower()})
 
     def _rows(self, kind: type[R], path: str, asked: dict[str, Any] | None = None) -> Rows[R]:
@@ -117,5 +124,25 @@ def _refuse(kind: type[Any], error: Exception) -> NoReturn:
     raise ServiceError(f"the service's answer is no {kind.__name__}: {error}; is it of another release?") from None
 
 
+def _id(machine: object) -> str:
+    if not isinstance(machine, str):
+        raise ServiceError(f"a machine is named by its id, {_not(machine)}: of an entry give its .id")
+    return quote(machine, safe="")
+
+
+def _number(given: object, what: str) -> int:
+    if not isinstance(given, SupportsIndex):
+        raise ServiceError(f"a whole number tells which {what}, {_not(given)}: of an entry give its .id")
+    return index(given)
+
+
 def _period(first: datetime | None, last: datetime | None) -> dict[str, str]:
-    return {name: moment.isoformat() for name, moment in {"from": first, "to": last}.items() if moment is not None}
+    given = {"from": first, "to": last}
+    for moment in given.values():
+        if not isinstance(moment, datetime | None):
+            raise ServiceError(f"first and last are moments such as datetime(2026, 11, 27), {_not(moment)}")
+    return {name: moment.isoformat() for name, moment in given.items() if moment is not None}
+
+
+def _not(given: object) -> str:
+    return "nothing was given" if given is None else f"not a {type(given).__name__}"

@@ -77,6 +77,8 @@ def read_machine(path: Path) -> Machine:
 
     Raises UnreadableFile, which names every wrong field, also for an oversized one.
     """
+    if path.suffix.lower() == ".csv" and path.is_file():
+        raise UnreadableFile(f"{path} is a table and not a machine document: the document comes first, such as pump.yaml")
     try:
         return accepted_machine(with_table_columns(read_yaml(path), path.parent))
     except WrongTableFile as error:

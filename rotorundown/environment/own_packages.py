@@ -15,6 +15,5 @@ def require_own_packages() -> None:
         if origin is None:
             raise ImportError(f"rotorundown needs its package '{name}', which is not installed: install rotorundown anew")
         if Path(origin).resolve().parent.parent != home:
-            raise ImportError(
-                f"{origin} hides rotorundown's own package '{name}': rename that file, or start Python elsewhere"
-            )
+            hiding = Path(origin).parent if Path(origin).name == "__init__.py" else origin
+            raise ImportError(f"{hiding} hides rotorundown's own package '{name}': rename that, or start Python elsewhere")

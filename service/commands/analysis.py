@@ -183,11 +183,11 @@ def model(
     if not files:
         return
     described, _, result = identified(machine, files, sidecar)
+    speed = _service_speed(described, service_rpm)
     print_line(result.verdict, err=as_json)
     if not result.accepted:
         raise typer.Exit(1)
     try:
-        speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
         updated = updated_model(described, result)
         with threadpoolctl.threadpool_limits(1), working("computing the model's results"):
             if as_json:
@@ -202,6 +202,17 @@ def model(
         print_text(text)
 
 
+def _service_speed(machine: "Machine", given: float | None) -> float:
+    """Return the service speed [r/min], by default the end of the document's range; end the command for one outside it."""
+    limits = machine.speed_range
+    if given is not None and not limits.minimum_rpm <= given <= limits.maximum_rpm:
+        fail(
+            f"--service-rpm {given:g} lies outside the document's range, "
+            f"{limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min"
+        )
+    return limits.maximum_rpm if given is None else given
+
+
 def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_json: bool) -> None:
     """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
     from formats.files.document_files import UnreadableFile, read_machine
@@ -210,7 +221,7 @@ def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_j
     try:
         described = read_machine(machine)
         if has_films(described):
-            speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
+            speed = _service_speed(described, service_rpm)
             if as_json:
                 print_json(film_content(described, service_rpm=speed))
             else:

@@ -335,6 +335,8 @@ def sample(
     from formats.wire import as_sent
     from rotorundown.simulation import simulate as simulate_run
 
+    if file.exists():
+        fail(f"{file} is there already: name another file, or delete it first")
     try:
         described, story = _machine_and_story(machine)
         on = trial_weights(weight or [])

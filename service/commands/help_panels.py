@@ -1,5 +1,8 @@
-"""Help of `rundown`: its commands in panels, in the order in which a person meets them, each with an example."""
+"""Help of `rundown`: its commands in panels, in the order in which a person meets them, each with an example, and their
+completion in a shell.
+"""
 
+from pathlib import Path
 from typing import Any
 
 from typer.core import TyperGroup
@@ -49,8 +52,28 @@ EXAMPLES: dict[str, str] = {
 """An example of each command, those within a group too; the first ones go together, in an empty folder."""
 
 
+INSTALL_COMPLETION = "--install-completion"
+
+
+def complete_at_first_tab(command: str) -> None:
+    """Let what typer has installed for zsh complete when zsh loads it, at the first Tab: by itself it only gets ready then."""
+    file, call = Path.home() / f".zfunc/_{command}", f"\n_{command}_completion\n"
+    if file.is_file() and not file.read_text().endswith(call):
+        with file.open("a") as script:
+            script.write(call)
+
+
 class PanelledGroup(TyperGroup):
     """Group of commands that are listed by panel."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments of the command line; completion is installed while they are read, which ends the command."""
+        installs = INSTALL_COMPLETION in args
+        try:
+            return super().parse_args(ctx, args)
+        finally:
+            if installs:
+                complete_at_first_tab(ctx.info_name)
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands in the order of their panels, then any others."""

@@ -73,6 +73,12 @@ def test_campbell_marks_the_critical_speeds(result: rd.Result) -> None:
     np.testing.assert_allclose(marks, [one.speed * 30 / np.pi for one in result.model.critical_speeds()], rtol=1e-6)
 
 
+def test_a_machine_has_a_campbell_diagram_before_anything_is_measured(pump: Machine) -> None:
+    model = rd.model(pump)
+    marks, _ = curve(model.plot_campbell(), 0, -1)
+    np.testing.assert_allclose(marks, [one.speed * 30 / np.pi for one in model.critical_speeds()], rtol=1e-6)
+
+
 def test_the_train_shows_every_part(pump: Machine, result: rd.Result) -> None:
     words = {text.get_text() for text in result.plot_train().axes[0].texts}
     named = [one.id for one in pump.discs] + [one.id for one in pump.bearings] + [one.id for one in pump.couplings]

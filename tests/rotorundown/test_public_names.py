@@ -130,3 +130,10 @@ def test_a_file_that_hides_one_of_our_packages_is_named_in_one_line(tmp_path: Pa
     done = python("import rotorundown", folder=tmp_path)
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith(f"ImportError: {tmp_path / 'storage.py'} hides rotorundown's own package")
+
+
+def test_a_folder_that_hides_one_of_our_packages_is_named(tmp_path: Path) -> None:
+    (tmp_path / "estimator").mkdir()
+    (tmp_path / "estimator/__init__.py").write_text("")
+    said = python("import rotorundown", folder=tmp_path).stderr.splitlines()[-1]
+    assert said.startswith(f"ImportError: {tmp_path / 'estimator'} hides rotorundown's own package 'estimator'")

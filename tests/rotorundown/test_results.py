@@ -27,6 +27,8 @@ def test_the_result_is_that_of_the_gated_fit(pump: Machine, run: rd.MachineRun, 
 def test_a_wrong_name_gets_its_close_matches(result: rd.Result) -> None:
     with pytest.raises(KeyError, match=r"'coupling\.C1\.kx' is not estimated; did you mean 'coupling\.C1\.k"):
         result["coupling.C1.kx"]
+    with pytest.raises(KeyError, match=r"'C1\.kxx' is not estimated; did you mean 'coupling\.C1\.kxx'"):
+        result["C1.kxx"]
     assert "coupling.C1.kxx" in result
     assert "coupling.C1.kx" not in result
 

@@ -1,7 +1,9 @@
 """The library's client against a real server: rows, frames, a run to identify, and what it says where nothing answers."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
+from typing import Any
 
 import msgspec
 import pytest
@@ -59,6 +61,33 @@ def test_what_is_there_is_read_as_rows(service: rd.Service) -> None:
     (alert,) = service.alerts(only_open=True)
     assert (alert.element, alert.severity) == ("coupling.C1", "alert")
     assert "Misalignment of coupling C1" in repr(service.alerts(KEY.machine))
+
+
+MISNAMED: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "an entry for a machine": (lambda service: service.machine(service.machines()[0]), "its id, not a MachineEntry"),
+    "an entry for an identification": (
+        lambda service: service.estimates(service.identifications(KEY.machine)[0]),
+        "which identification, not a IdentificationEntry: of an entry give its .id",
+    ),
+    "text for a run": (lambda service: service.run("7"), "a whole number tells which run, not a str"),
+    "a list of parameters": (
+        lambda service: service.trend(KEY.machine, ["coupling.C1.kxx"]),
+        "such as 'coupling.C1.kxx', not a list: name one or more, none in a list",
+    ),
+    "no parameter": (lambda service: service.trend(KEY.machine), "nothing was given: name one or more"),
+    "text for a moment": (
+        lambda service: service.runs(KEY.machine, first="2026-01-01"),
+        "moments such as datetime(2026, 11, 27), not a str",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISNAMED)
+def test_what_names_nothing_is_one_line(service: rd.Service, name: str) -> None:
+    ask, words = MISNAMED[name]
+    with pytest.raises(rd.ServiceError, match=re.escape(words)) as said:
+        ask(service)
+    assert "\n" not in str(said.value)
 
 
 def test_trends_are_points_and_frames(service: rd.Service) -> None:

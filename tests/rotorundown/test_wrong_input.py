@@ -120,6 +120,11 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         "speed_unit 'hz' is not one of rpm, rad/s, Hz",
     ),
     "a kind that there is not": (lambda frame, _: frame, {"amplitude_kind": "pp"}, "amplitude_kind 'pp' is not one of peak"),
+    "columns of other machines, and many of them": (
+        lambda frame, _: frame.rename(columns=lambda name: name.replace("B", "X")),
+        {},
+        "X2R_lag_deg, X3L_um_pp, X3L_lag_deg, X3R_um_pp and 5 more",
+    ),
     "a column twice": (lambda frame, _: doubled(frame), {}, "column 'B4R_um_pp' stands twice"),
     "a column twice in a file": (lambda frame, file: written(file, doubled(frame)), {}, "column 'B4R_um_pp' stands twice"),
     "tabs": (
@@ -347,7 +352,7 @@ def test_one_channel_may_be_named_without_a_list(result: rd.Result) -> None:
 
 def test_a_model_is_printed_in_a_line(pump: Machine) -> None:
     assert str(rd.model(pump)) == repr(rd.model(pump))
-    assert str(rd.model(pump)).startswith("motor-pump: model with critical_speeds(), campbell()")
+    assert str(rd.model(pump)).startswith("motor-pump: model with critical_speeds(), campbell(), plot_campbell()")
     assert all(hasattr(rd.Model, name) for name in re.findall(r"(\w+)\(\)", str(rd.model(pump))))
 
 

@@ -42,6 +42,13 @@ def test_what_is_no_document_is_refused_with_words_and_at_once(tmp_path: Path, w
     assert str(path) in str(refused.value)
 
 
+def test_a_recording_in_the_documents_place_is_named(tmp_path: Path) -> None:
+    recording = tmp_path / "run.csv"
+    recording.write_text("speed,B1L_um_pp\n3000,12\n")
+    with pytest.raises(UnreadableFile, match=r"run\.csv is a table and not a machine document: the document comes first"):
+        read_machine(recording)
+
+
 def test_a_file_that_is_too_large_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "machine.yaml"
     path.write_text("a: 1")

@@ -181,8 +181,17 @@ def test_a_sample_says_what_it_wrote(tmp_path: Path) -> None:
     found = printed("sample", f"{PUMP}:unbalance", str(tmp_path / "run.csv"), "--samples", "30")
     assert (found["machine"], found["story"], found["samples"]) == ("motor-pump", "unbalance", 30)
     assert found["truth"]["coupling.C1.kxx"] > 0.0
-    told = CliRunner().invoke(app, ["sample", PUMP, str(tmp_path / "run.csv"), "--samples", "30"])
-    assert "run.csv is written with 30 samples of 'motor-pump', healthy" in told.stdout
+    told = CliRunner().invoke(app, ["sample", PUMP, str(tmp_path / "other.csv"), "--samples", "30"])
+    assert "other.csv is written with 30 samples of 'motor-pump', healthy" in told.stdout
+
+
+def test_a_sample_replaces_no_recording(tmp_path: Path) -> None:
+    measured = tmp_path / "run.csv"
+    measured.write_text("speed\n3000\n")
+    ended = CliRunner().invoke(app, ["sample", PUMP, str(measured)])
+    assert ended.exit_code == 1
+    assert f"{measured} is there already: name another file, or delete it first" in ended.stderr
+    assert measured.read_text() == "speed\n3000\n"
 
 
 def test_what_could_be_reached() -> None:

@@ -115,6 +115,13 @@ def test_tilting_pads_are_reported_as_other_films() -> None:
     assert "would not whirl" in text
 
 
+def test_a_service_speed_outside_the_range_is_refused(healthy: str) -> None:
+    for document, files in (("examples/motor-compressor.yaml", []), (DOCUMENT, [healthy])):
+        said = run("model", document, *files, "--service-rpm", "50", status=1)
+        assert "--service-rpm 50 lies outside the document's range, " in said
+        assert said.strip().endswith(" r/min")
+
+
 def test_without_runs_and_films_there_is_nothing_to_compute() -> None:
     assert "a bearing says nothing of its film" in run("model", DOCUMENT, status=1)
 
