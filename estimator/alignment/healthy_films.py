@@ -128,7 +128,9 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
     if found is None:
         raise ValueError("only coordinates of a train on oil films vary so")
     films = found[1].own
-    size = {one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True)}
+    size = {
+        one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True) if form is not None
+    }
     size |= {f"static_load.{one.id}.{name}": force for one in films.loads for name, force in _stated_forces(one).items()}
     excited = dict(zip(coordinates.names, values, strict=True))
     described = [describe(name) for name in coordinates.names]
