@@ -178,6 +178,13 @@ GERMAN_STORED: Mapping[str, str] = {
         "die Ölfilme weichen schärfer über der Drehzahl von ihrem Modell ab, als es zulässt, um etwa {size} % von einem "
         "Abschnitt von {length} % des Drehzahlbereichs zum nächsten: Vertrauensbereiche sind verbreitert"
     ),
+    (
+        "coefficients deviate by {size} % over speed from the document's forms, beside oil films that deviate themselves: "
+        "intervals are widened"
+    ): (
+        "Koeffizienten weichen über der Drehzahl um {size} % von den Formen des Dokuments ab, neben Ölfilmen, die selbst "
+        "abweichen: Vertrauensbereiche sind verbreitert"
+    ),
     "not physically possible: at {speed} rpm, where the machine ran, {what}": (
         "physikalisch nicht möglich: bei {speed} 1/min, wo die Maschine lief, {what}"
     ),

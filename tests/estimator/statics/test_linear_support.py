@@ -143,6 +143,23 @@ def test_trains_on_films_and_other_bearings_are_identified_and_intervals_hold() 
     assert 0.88 < np.mean(held) < 0.995
 
 
+def test_a_table_beside_films_that_seems_off_by_less_than_a_per_cent_widens_the_intervals() -> None:
+    found = film_trial(mixed_plant(31, discrepancy=DiscrepancySize()), seed=31, document=as_drawn)
+    assert found.accepted, found.verdict
+    assert "beside oil films that deviate themselves: intervals are widened" in found.verdict
+
+
+def test_a_table_beside_films_that_is_far_off_over_speed_is_refused() -> None:
+    plant = mixed_plant(1, discrepancy=DiscrepancySize())
+    said = as_drawn(plant, 1)
+    for bearing in said["bearings"]:
+        table = bearing["speed_dependence"]
+        if table["form"] == "table":
+            table["kyy"] = [value * factor for value, factor in zip(table["kyy"], np.linspace(0.8, 1.25, 13), strict=True)]
+    found = identify(parse_machine(said), measured(plant, seed=1), Options(starts=1))
+    assert not found.accepted
+
+
 def test_results_tell_loads_of_all_bearings_and_journals_of_films_only() -> None:
     plant = mixed_plant(0)
     machine = parse_machine(film_document(plant))
