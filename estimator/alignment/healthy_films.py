@@ -212,8 +212,9 @@ def _way(
     if said.quantity == "unbalance":
         parts = [excited[f"{said.whole}.{part}"] for part in ("real", "imaginary")]
         return "unbalance", math.hypot(*parts) / unit
-    if said.term is not None:
-        return _of_order(said.term.order), 1.0
+    of_scale = describe(said.coefficient).term  # a factor on a table's term varies as that
+    if of_scale is not None:
+        return _of_order(of_scale.order), 1.0
     if DEVIATION in said.quantity:
         term = said.quantity.partition(DEVIATION)[0]
         if term not in LEVELS:  # those that all films share stay
