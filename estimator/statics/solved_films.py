@@ -16,6 +16,7 @@ from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.film_parameters import FilmParameters
 from estimator.statics.film_sensitivity import PARAMETERS, FilmSensitivity, film_sensitivity
 from estimator.statics.films_over_speed import equilibria_near
+from estimator.statics.first_touch import first_touch_words
 from estimator.units import rad_per_s_to_rpm
 
 SPEEDS = 12
@@ -78,8 +79,8 @@ class NominalFilms:
             if one is None or not self.train.carried(one.position):
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
-                    f"bearing: are geometry and oil right? {most_loaded_words(self.train)}. Below the speed at which films "
-                    "carry, give valid_above_rpm"
+                    f"bearing: are geometry and oil right? {first_touch_words(self.train, speed)}. Below the speed at which "
+                    "films carry, give valid_above_rpm"
                 )
             found.append(one)
         return tuple(found)
@@ -94,24 +95,6 @@ class NominalFilms:
             if found is not None:
                 return found
         return self.train.follow(self.speed)
-
-
-def most_loaded_words(train: FilmTrain) -> str:
-    """State which bearing has the highest pressure at rest.
-
-    Source: standard result: the load over the projected area, diameter times length.
-
-    Args:
-        train: The train on its films.
-
-    Returns:
-        The bearing, its load [N] and pressure [MPa], and what is usual.
-    """
-    loads = np.linalg.norm(train.statics.film_force(train.elevation), axis=1)
-    areas = {number: one.described.diameter * one.described.length for number, one in train.journals.items()}
-    pressure, worst = max((loads[number] / area, number) for number, area in areas.items())
-    carried = f"{loads[worst]:.3g} N on bearing '{train.bearings[worst].name}'"
-    return f"{carried} at rest are {1e-6 * pressure:.3g} MPa over diameter and length; usual is 0.5 to 3 MPa"
 
 
 @dataclass(frozen=True)

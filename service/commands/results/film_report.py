@@ -13,8 +13,8 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_stability import LeastDampedWhirl, least_damped_whirl, whirl_onset
+from estimator.statics.first_touch import first_touch_words
 from estimator.statics.journal_bearing import JournalBearing
-from estimator.statics.solved_films import most_loaded_words
 from estimator.statics.whirl_in_range import touching_words, whirl_words
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.film_results import film_results
@@ -135,7 +135,7 @@ def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[
         if not found:
             yield (
                 f"  at {rpm:g} r/min: no equilibrium with films of at least a twentieth of the clearance; the journals touch: "
-                f"{most_loaded_words(train)}"
+                f"{first_touch_words(train, rpm_to_rad_per_s(rpm))}"
             )
             continue
         if len(found) > 1:
