@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
-from benchmarks.fluid_film.kinds_of_trains import lobes, other_trains, pads, pedestals, warming_oils
+from benchmarks.fluid_film.kinds_of_trains import lobes, mixed, other_trains, pads, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.page import write_page
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
@@ -36,6 +36,7 @@ PARTS: dict[str, Callable[[int], list[ReportLine]]] = {
     "warming-oil": warming_oils,
     "lobes": lobes,
     "pads": pads,
+    "mixed": mixed,
     "other-trains": other_trains,
     "wrong-documents": wrong_documents,
     "wrong-forms": wrong_forms,

@@ -115,6 +115,8 @@ def _time_again(plant: Plant, seed: int, document: Describe, found: Identificati
 def kind_of(name: str) -> str:
     """Return the kind of an estimate or a derived quantity by its name; its quantity where it is none of `KINDS`."""
     said = describe(name)
+    of_scale = describe(said.coefficient)
+    said = said if of_scale.term is None else of_scale
     if said.element_kind == "pedestal":
         return said.element_kind
     if said.term is not None:

@@ -41,6 +41,7 @@ SECTIONS = {
     "warming-oil": "Oil that warms",
     "lobes": "Bores that are not round",
     "pads": "Trains on tilting pads",
+    "mixed": "Films beside other bearings",
     "other-trains": "Trains of other proportions",
     "wrong-documents": "Documents with one thing wrong",
     "wrong-forms": "Linear forms on films",
@@ -72,6 +73,8 @@ def seeds(part: str, plants: int) -> str:
     if part in ("pedestals", "warming-oil", "lobes", "pads"):
         each = ", for each bore" if part == "lobes" else ""
         return f"Random plants of seeds {_span(FIRST_SEED, min(plants, MOST_PLANTS))}{each}."
+    if part == "mixed":
+        return f"Random trains of seeds {_span(0, plants)}: one shaft on films, the other on rolling elements or by a table."
     if part == "other-trains":
         return f"Random trains of seeds {_span(0, plants)}."
     if part == "wrong-documents":

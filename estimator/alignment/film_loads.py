@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
 from estimator.units import rpm_to_rad_per_s
@@ -60,7 +61,8 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
             bearing=bearing.id,
             vertical=float(states.force[-1, number, 1]),
             error=load_error(slope[number], covariance, force=states.force[-1, number]),
-            area=0.0 if bearing.film is None else bearing.film.diameter * bearing.film.length,
+            area=bearing.film.diameter * bearing.film.length,
         )
-        for number, bearing in enumerate(model.machine.bearings)
+        for bearing in bearings_on_films(model.machine.bearings)
+        for number in (bearing.number,)
     )

@@ -128,7 +128,9 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
     if found is None:
         raise ValueError("only coordinates of a train on oil films vary so")
     films = found[1].own
-    size = {one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True)}
+    size = {
+        one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True) if form is not None
+    }
     size |= {f"static_load.{one.id}.{name}": force for one in films.loads for name, force in _stated_forces(one).items()}
     excited = dict(zip(coordinates.names, values, strict=True))
     described = [describe(name) for name in coordinates.names]
@@ -210,8 +212,9 @@ def _way(
     if said.quantity == "unbalance":
         parts = [excited[f"{said.whole}.{part}"] for part in ("real", "imaginary")]
         return "unbalance", math.hypot(*parts) / unit
-    if said.term is not None:
-        return _of_order(said.term.order), 1.0
+    of_scale = describe(said.coefficient).term  # a factor on a table's term varies as that
+    if of_scale is not None:
+        return _of_order(of_scale.order), 1.0
     if DEVIATION in said.quantity:
         term = said.quantity.partition(DEVIATION)[0]
         if term not in LEVELS:  # those that all films share stay

@@ -48,5 +48,5 @@ def _thickness(model: UpdatedModel) -> float:
     found = placed_films(model.coordinates_at(np.ones(1)))
     if found is None:
         raise ValueError("only films of a train have viscosities")
-    thickness: Floats = np.array([one.oil.value for one in found[1].own.train.bearings])
+    thickness: Floats = np.array([one.oil.value for one in found[1].own.train.journals.values()])
     return float(np.mean(np.log(thickness)))

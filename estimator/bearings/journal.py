@@ -1,7 +1,8 @@
 """Coefficients of journal bearings from their oil films, whose geometry, oil and elevation the document gives.
 
 A film's coefficients depend on the load that the whole train puts on it, so that this form makes no model of one bearing
-alone: it declares the one of all films of a train, which `estimator.statics.film_model` makes.
+alone: it declares the one of all films of a train, which `estimator.statics.film_model` makes. Bearings of other forms may
+stand beside them: they carry what their own stiffness makes of it.
 """
 
 from collections.abc import Sequence
@@ -43,7 +44,6 @@ class JournalForm(FormDefaults, Part):
     whole_train: ClassVar[WholeTrain | None] = WholeTrain(
         model="estimator.statics.film_model:film_model",
         of="films",
-        reason="loads on films follow from the whole train's statics",
         part="film",
         contents="diameter, length, radial_clearance [m] and oil",
     )

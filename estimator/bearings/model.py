@@ -117,20 +117,21 @@ class OwnParameter(Struct, frozen=True):
 
 
 class WholeTrain(Struct, frozen=True):
-    """Declaration of a form of which one model gives the coefficients of all bearings of a train together.
+    """Declaration of a form of which one model gives the coefficients of all bearings of a train that have it, together.
 
     Attributes:
         model: Function that makes this model of a machine, as "module:function". It is imported where a train needs it, since
             such a model may take long to import, and may stand in any room that `estimator.fit.problem` may import.
         of: What the coefficients follow from, such as "films".
-        reason: Why all bearings of the train need this form.
+        reason: Why all bearings of the train need this form; None where bearings of other forms may stand beside them, which
+            are supports of a stiffness of their own.
         part: Field of the bearing that a document must give with it, such as "film"; None where it needs none.
         contents: What stands in this field.
     """
 
     model: str
     of: str
-    reason: str
+    reason: str | None = None
     part: str | None = None
     contents: str = ""
 

@@ -116,7 +116,7 @@ def film_changes(columns: ChangeColumns) -> Iterator[ExpectedChange]:
 
 
 def wears(columns: ChangeColumns) -> Iterator[ExpectedChange]:
-    """Yield the change of each bearing's clearance, upwards.
+    """Yield the change of the clearance of each bearing on a film, upwards.
 
     Args:
         columns: The columns.
@@ -128,6 +128,8 @@ def wears(columns: ChangeColumns) -> Iterator[ExpectedChange]:
         return
     for bearing in columns.machine.bearings:
         grown = np.array([float(name == f"bearing.{bearing.id}.clearance") for name in columns.names])
+        if not grown.any():
+            continue  # it is no film
         yield ExpectedChange(f"bearing.{bearing.id}", (WEAR * grown[:, None],), rising=grown[None, :])
 
 

@@ -1,6 +1,6 @@
 """Bearings of a machine document whose coefficients follow from their oil films, each with its film and its form."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from msgspec import Struct
 
@@ -29,13 +29,27 @@ def bearings_on_films(bearings: Iterable[Bearing]) -> tuple[BearingOnFilm, ...]:
     """Return those of a document's bearings whose coefficients follow from their oil films.
 
     Args:
-        bearings: All bearings, in the document's order; of a consistent document all are on films, or none is.
+        bearings: All bearings, in the document's order.
 
     Returns:
-        Those on films, without any of which the document does not describe the film.
+        Those on films; others beside them are supports of a stiffness of their own.
     """
     return tuple(
         BearingOnFilm(number, one.id, one.film, one.speed_dependence)
         for number, one in enumerate(bearings)
         if one.film is not None and isinstance(one.speed_dependence, JournalForm)
     )
+
+
+def loaded_films(bearings: Sequence[Bearing]) -> tuple[JournalFilm | None, ...]:
+    """Return the film of each bearing that the train's loads follow from.
+
+    Args:
+        bearings: All bearings, in the document's order.
+
+    Returns:
+        What the document says of each film; None of bearings with coefficients of their own. Where no bearing's coefficients
+        follow from its film, all films count that there are.
+    """
+    followed = {one.number for one in bearings_on_films(bearings)}
+    return tuple(one.film if number in followed or not followed else None for number, one in enumerate(bearings))

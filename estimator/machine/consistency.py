@@ -19,6 +19,7 @@ from estimator.machine.part_coefficients import (
     coefficient_names,
     coefficient_values,
     given_over_speed,
+    nominal_value,
     planes,
 )
 from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Probe, Shaft
@@ -101,6 +102,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
     yield from _pedestal_problems(train)
     yield from _dependence_problems(train)
     yield from _whole_train_problems(train)
+    yield from _support_problems(train)
     yield from _supply_problems(train)
     yield from _rule_problems(train)
 
@@ -264,7 +266,7 @@ def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _whole_train_problems(train: Train) -> Iterator[InitErrorDetails]:
-    """Find parts that do not fit a form that needs all bearings of the train, as the films' does."""
+    """Find parts that do not fit a form of which one model gives all bearings' coefficients, as the films' does."""
     for place in ELEMENTS:
         for i, part in enumerate(getattr(train, place)):
             form, declared = part.speed_dependence, _whole_train(part.speed_dependence)
@@ -284,7 +286,8 @@ def _whole_train(form: BearingForm | None) -> WholeTrain | None:
 
 
 def _common_form_problems(train: Train, name: str, declared: WholeTrain) -> Iterator[InitErrorDetails]:
-    """Find rules for coefficients of bearings of one form, bearings of another one, and missing fields that it needs."""
+    """Find rules for coefficients of bearings of one form, bearings of another one where it stands alone, and missing fields
+    that it needs."""
     have_it = [one.speed_dependence is not None and one.speed_dependence.form == name for one in train.bearings]
     ruled = [f"bearing.{one.id}.{term}" for one, has in zip(train.bearings, have_it, strict=True) if has for term in TERMS]
     for i, rule in enumerate(train.parameters):
@@ -292,12 +295,33 @@ def _common_form_problems(train: Train, name: str, declared: WholeTrain) -> Iter
             message = f"coefficients of {declared.of} follow from form '{name}': its own spreads say how well they are known"
             yield _problem(("parameters", i), rule.names, message)
     for i, (bearing, has) in enumerate(zip(train.bearings, have_it, strict=True)):
-        if not has:
+        if not has and declared.reason is not None:
             message = f"needs the form '{name}', as the other bearings: {declared.reason}"
             yield _problem(("bearings", i, "speed_dependence"), None, message)
-        elif declared.part is not None and getattr(bearing, declared.part) is None:
+        elif has and declared.part is not None and getattr(bearing, declared.part) is None:
             message = f"form '{name}' needs the bearing's {declared.part}: {declared.contents}"
             yield _problem(("bearings", i, declared.part), None, message)
+
+
+def _support_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find bearings beside others on films whose stiffness the document does not give, and elevations that say nothing."""
+    films = bearings_on_films(train.bearings)
+    on_films = {one.number for one in films}
+    for i, rule in enumerate(train.parameters):
+        if rule.tied_to in {f"bearing.{one.id}" for one in films}:
+            message = f"'{rule.tied_to}' is on a film, whose coefficients follow from the train's loads: tie to no film"
+            yield _problem(("parameters", i, "tied_to"), rule.tied_to, message)
+    for i, bearing in enumerate(train.bearings):
+        if bearing.elevation is not None and (i in on_films or not on_films):
+            told = "film.elevation_x, film.elevation_y and elevation_spread of its form" if on_films else "leave it out"
+            what = "is of bearings with coefficients of their own beside others of the form 'journal'"
+            yield _problem(("bearings", i, "elevation"), None, f"{what}: {told}")
+        if not on_films or i in on_films:
+            continue
+        for term in ("kxx", "kyy"):
+            if nominal_value(bearing, term, rpm=train.speed_range.middle_rpm) is None:
+                message = "needs a value: loads on the films beside it follow from the stiffness of each bearing"
+                yield _problem(("bearings", i, term), None, message)
 
 
 def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:

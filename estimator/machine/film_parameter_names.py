@@ -48,12 +48,23 @@ def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> 
     found = {
         "clearance": f"{own}.clearance",
         "viscosity": f"{oil}.viscosity" if supply is None else f"{oil}.viscosity_factor",
-        "elevation_x": f"{own}.elevation_x",
-        "elevation_y": f"{own}.elevation_y",
+        **elevation_names(bearing),
     }
     if supply is not None and form.viscosity_ratio_spread > 0.0:
         found["viscosity_ratio"] = f"{own}.viscosity_ratio"
     return found | ({"viscosity_slope": f"{oil}.viscosity_slope"} if form.viscosity_slope_spread > 0.0 else {})
+
+
+def elevation_names(bearing: str) -> dict[str, str]:
+    """Return the names of the elevation of a bearing that is no film itself, beside others on films.
+
+    Args:
+        bearing: Id of the bearing.
+
+    Returns:
+        Name by the number that the parameter gives, such as `elevation_y`.
+    """
+    return {name: f"bearing.{bearing}.{name}" for name in ("elevation_x", "elevation_y")}
 
 
 def with_open_forces(machine: Machine, spreads: Mapping[str, float]) -> tuple[Machine, tuple[float, ...]]:

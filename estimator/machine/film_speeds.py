@@ -5,13 +5,13 @@ from estimator.machine.document import Machine
 
 
 def follows_films(machine: Machine) -> bool:
-    """Return whether the bearings' coefficients follow from their oil films.
+    """Return whether coefficients of bearings follow from their oil films.
 
     Args:
-        machine: The machine; a document's bearings all have that form, or none has.
+        machine: The machine.
 
     Returns:
-        Whether they do.
+        Whether those of one do at least: then the static model of the train gives the loads of all.
     """
     return bool(bearings_on_films(machine.bearings))
 

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from estimator.bearings.journal import LARGEST_ELEVATION_SPREAD
 from estimator.field_types import Angle, Identifier, Length, NotNegative, Part, Positive, Real, Within
 
 LARGEST_CLEARANCE = 0.1
@@ -124,6 +125,16 @@ class JournalFilm(Part):
         if self.pads is not None and self.preload > LARGEST_PAD_PRELOAD:
             raise ValueError(f"preload {self.preload} of tilting pads: it is 0 to {LARGEST_PAD_PRELOAD:g}, usual 0 to 0.5")
         return self
+
+
+class Elevation(Part):
+    """Where a bearing stands that is no film itself, in a train of which others are."""
+
+    x: Real = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
+    y: Real = Field(default=0.0, description="centre over its aligned place, vertical [m]")
+    spread: Annotated[float, Within(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
+        default=1.5e-4, description="how far the centre may be from there, rms, in each direction [m]"
+    )
 
 
 class StaticLoad(Part):

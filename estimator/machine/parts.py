@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from estimator.bearings.registry import DeclaredForm
 from estimator.field_types import Angle, Direct, Identifier, Length, NotNegative, Part, Positive, Real, Spread, Within
-from estimator.machine.films import JournalFilm
+from estimator.machine.films import Elevation, JournalFilm
 
 STATION_TOLERANCE = 1e-9
 """Largest distance of two stations that are the same place [m]."""
@@ -102,6 +102,9 @@ class Bearing(LateralCoefficients):
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
     film: JournalFilm | None = Field(
         default=None, description="geometry and oil of a journal bearing: static loads, positions"
+    )
+    elevation: Elevation | None = Field(
+        default=None, description="of a bearing with coefficients of its own, beside others on films; a film has its own"
     )
 
 

@@ -10,7 +10,7 @@ from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import LATERAL
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
-from estimator.machine.film_parameter_names import film_parameter_names, unknown_forces
+from estimator.machine.film_parameter_names import elevation_names, film_parameter_names, unknown_forces
 from estimator.machine.film_speeds import follows_films, reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
@@ -22,7 +22,9 @@ NUMBER = re.compile(r"[1-9][0-9]{0,2}")
 """Pattern of the number of a critical speed; how many there are is known from the model, not from the document."""
 PAIR = re.compile(rf"({NUMBER.pattern})-({NUMBER.pattern})")
 """Pattern of two numbers of critical speeds."""
-JOURNAL_UNITS = {"load_vertical": "N", "load_horizontal": "N", "journal_x": "m", "journal_y": "m", "eccentricity_ratio": "1"}
+LOAD_UNITS = {"load_vertical": "N", "load_horizontal": "N"}
+"""SI unit of each reported component of the load on a bearing at running speed, of a train on oil films."""
+JOURNAL_UNITS = {"journal_x": "m", "journal_y": "m", "eccentricity_ratio": "1"}
 """SI unit of each reported quantity of a journal in its film at running speed."""
 ALIGNMENT_UNITS = {"offset_vertical": "m", "offset_horizontal": "m", "angle_vertical": "rad", "angle_horizontal": "rad"}
 """SI unit of each reported quantity of a coupling's alignment on oil films."""
@@ -111,11 +113,13 @@ def _whole_train_units(machine: Machine) -> dict[str, str]:
 
 
 def _film_parameter_units(machine: Machine) -> dict[str, str]:
-    """Return the SI unit by name of the parameters of films that coefficients follow from."""
+    """Return the SI unit by name of the parameters of films that coefficients follow from, and of elevations beside them."""
     found: dict[str, str] = {}
-    for one in bearings_on_films(machine.bearings):
-        names = film_parameter_names(one.id, one.film, one.form).values()
-        found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
+    films = {one.number: one for one in bearings_on_films(machine.bearings)}
+    for number, bearing in enumerate(machine.bearings if films else ()):
+        one = films.get(number)
+        names = elevation_names(bearing.id) if one is None else film_parameter_names(one.id, one.film, one.form)
+        found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names.values()}
     if follows_films(machine):
         found |= dict.fromkeys(unknown_forces(machine.static_loads), UNITS["force"])
     return found
@@ -128,10 +132,14 @@ def _film_units(machine: Machine) -> dict[str, str]:
     if not follows_films(machine):
         return {}
     found: dict[str, str] = {}
-    for bearing in machine.bearings:
+    on_films = {one.number for one in bearings_on_films(machine.bearings)}
+    for number, bearing in enumerate(machine.bearings):
         element = f"bearing.{bearing.id}"
-        found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one in LATERAL for rpm in reported_rpm(machine)}
-        found |= {f"{element}.{name}": unit for name, unit in JOURNAL_UNITS.items()}
+        found |= {f"{element}.{name}": unit for name, unit in LOAD_UNITS.items()}
+        if number in on_films:
+            courses = [(one, rpm) for one in LATERAL for rpm in reported_rpm(machine)]
+            found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one, rpm in courses}
+            found |= {f"{element}.{name}": unit for name, unit in JOURNAL_UNITS.items()}
     for coupling in machine.couplings:
         found |= {f"coupling.{coupling.id}.{name}": unit for name, unit in (ALIGNMENT_UNITS | STATIC_LOAD_UNITS).items()}
     return found

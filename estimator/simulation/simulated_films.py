@@ -8,6 +8,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
@@ -16,6 +17,7 @@ from estimator.machine.parts import Coupling
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
 from estimator.statics.film_model import FilmModel, film_model
+from estimator.statics.film_parameters import FilmParameters
 from estimator.statics.film_stability import least_damped_whirl
 
 DRAWN = 0.5
@@ -83,7 +85,7 @@ class SimulatedFilms:
         return self._with(VISCOSITY_SCATTER * rng.standard_normal(), elevations, moved)
 
     def with_stiffness(self, stiffness: Mapping[str, float]) -> "SimulatedFilms":
-        """Return the films of a train with couplings and pedestals of some stiffness.
+        """Return the films of a train with couplings, pedestals and bearings beside them of some stiffness.
 
         Args:
             stiffness: Their coefficients by name [SI].
@@ -92,7 +94,7 @@ class SimulatedFilms:
             The films.
         """
         fitted = self.fitted.copy()
-        fitted[: len(self.model.read)] = [one.fitted(stiffness[one.name]) for one in self.model.own.read]
+        fitted[: len(self.model.read)] = _read_numbers(self.model.own, stiffness)
         return replace(self, fitted=fitted)
 
     def under_conditions(self, change: float) -> "SimulatedFilms":
@@ -121,7 +123,9 @@ class SimulatedFilms:
         lower = [f"bearing.{one.id}.elevation_y" for one in machine.bearings if one.shaft in behind]
         places = [place for place, one in enumerate(self.model.numbers) if one.name in lower]
         beside = neighbouring_bearings(machine, coupling)
-        clearance = min(one.film.radial_clearance for one in machine.bearings if one.film is not None and one.id in beside)
+        films = bearings_on_films(machine.bearings)
+        near = [one for one in films if one.id in beside] or films
+        clearance = min(one.film.radial_clearance for one in near)
         return self._with(0.0, places, -progress * SETTLEMENT * clearance / self._scale[places])
 
     def _with(self, thicker: float, places: list[int], moved: Floats) -> "SimulatedFilms":
@@ -145,7 +149,7 @@ def draw_films(machine: Machine, stiffness: Mapping[str, float], rng: np.random.
 
     Args:
         machine: The machine.
-        stiffness: True coefficients of couplings and pedestals by name, which loads follow from [SI].
+        stiffness: True coefficients by name, which loads follow from [SI].
         rng: Random generator.
 
     Returns:
@@ -166,6 +170,17 @@ def draw_films(machine: Machine, stiffness: Mapping[str, float], rng: np.random.
         if _runs(machine, found, stiffness):
             return found
     raise ValueError(f"to simulate '{machine.id}': of {MOST_DRAWS} draws of its films none runs without whirling")
+
+
+def _read_numbers(own: FilmParameters, coefficients: Mapping[str, float]) -> Floats:
+    """Return the numbers of what films read that give some coefficients [SI], whatever the speed: of factors on a table those
+    by which its direct terms are off."""
+    expected = {name: value for one in own.train.supports.values() for name, value in one.expected.items()}
+    found = []
+    for one in own.read:
+        name = one.coefficient or describe(one.name).coefficient
+        found.append(one.fitted(coefficients[name] / (1.0 if one.coefficient else expected[name])))
+    return np.array(found)
 
 
 def _drawn_part(parameter: ModelParameter) -> float:

@@ -285,16 +285,15 @@ def _over_speed(truth: Truth, speed: Floats) -> Floats:
     """Return the true coefficients, (K,) or where some follow films or a table (S, K) [SI]; those of a table are off by the
     same factor at every speed."""
     listed = truth.unknowns.coefficients
-    if truth.films is not None:
-        place = {one.name: k for k, one in enumerate(listed)}
-        found = np.repeat(truth.coefficients[None], speed.size, axis=0)
-        found[:, [place[name] for name in truth.films.coefficients]] = truth.films.over_speed(speed)
-        return found
     over = expected_coefficients(listed, speed)
     middle = np.array([one.expected for one in listed])
-    if np.all(over == middle):
+    if truth.films is None and np.all(over == middle):
         return truth.coefficients
-    return np.asarray(np.where(over == middle, truth.coefficients, _ratio(truth.coefficients, middle) * over))
+    found = np.asarray(np.where(over == middle, truth.coefficients, _ratio(truth.coefficients, middle) * over))
+    if truth.films is not None:
+        place = {one.name: k for k, one in enumerate(listed)}
+        found[:, [place[name] for name in truth.films.coefficients]] = truth.films.over_speed(speed)
+    return found
 
 
 def _ratio(values: Floats, reference: Floats) -> Floats:

@@ -12,10 +12,14 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
 from estimator.films.pad_table import THINNEST_FILM
+from estimator.machine.bearings_on_films import loaded_films
 from estimator.machine.document import Machine
-from estimator.machine.film_speeds import reported_rpm, slowest_rpm
+from estimator.machine.film_speeds import follows_films, reported_rpm, slowest_rpm
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
 from estimator.statics.coupled_train import train_statics
 from estimator.statics.journal_bearing import JournalBearing, journal_bearing
+from estimator.statics.linear_support import LinearSupport, linear_support
 from estimator.statics.train_statics import MissingFilm, TrainStatics
 from estimator.units import rpm_to_rad_per_s
 
@@ -29,6 +33,8 @@ HALVINGS = 20
 """Most times that a step is halved where the forces do not come nearer to equilibrium."""
 FIRST_PLACES = ((0.0, -0.3), (0.3, -0.3), (0.0, -0.7), (-0.3, -0.3), (0.0, 0.3), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.0))
 """Places from which equilibria are sought, the same in all bearings, in clearances and for rotation from +x to +y [-]."""
+SUPPORT_SCALE = 1e-4
+"""Length by which motions of journals are measured that rest in no film [m]: a usual clearance."""
 SAME_PLACE = 0.01
 """Distance of positions that are one equilibrium, in clearances [-]."""
 
@@ -40,7 +46,7 @@ class FilmEquilibrium:
     Attributes:
         speed: Spin speed, without sign [rad/s].
         position: Positions (n, 2) of the journals relative to their bearings' centres [m].
-        film: Film at each journal.
+        film: Film at each journal, or what carries it in place of one.
     """
 
     speed: float
@@ -65,21 +71,36 @@ class FilmEquilibrium:
 
 @dataclass(frozen=True)
 class FilmTrain:
-    """A train on oil films.
+    """A train on oil films, beside which bearings with coefficients of their own may carry it.
 
     Attributes:
         statics: The train at rest, condensed to its journals.
         bearings: Its n bearings.
         elevation: Positions (n, 2) of the bearings' centres [m].
+        scale: Lengths (n,) by which journals' motions are measured, of films their clearances [m].
+        reach: Largest step (n,) of each journal in Newton's method; infinite in no film [m].
     """
 
     statics: TrainStatics
-    bearings: tuple[JournalBearing, ...]
+    bearings: tuple[JournalBearing | LinearSupport, ...]
     elevation: Floats
-    _clearance: Floats = field(init=False, repr=False)
+    scale: Floats = field(init=False, repr=False)
+    reach: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_clearance", np.array([one.clearance for one in self.bearings]))
+        clearance = np.array([one.clearance for one in self.bearings])
+        object.__setattr__(self, "scale", np.where(np.isfinite(clearance), clearance, SUPPORT_SCALE))
+        object.__setattr__(self, "reach", LARGEST_STEP * clearance)
+
+    @property
+    def journals(self) -> dict[int, JournalBearing]:
+        """Return the bearings on films by their numbers among all."""
+        return {number: one for number, one in enumerate(self.bearings) if isinstance(one, JournalBearing)}
+
+    @property
+    def supports(self) -> dict[int, LinearSupport]:
+        """Return the bearings with coefficients of their own by their numbers among all."""
+        return {number: one for number, one in enumerate(self.bearings) if isinstance(one, LinearSupport)}
 
     def equilibrium(self, speed: float, *, start: Floats | None = None) -> FilmEquilibrium | None:
         """Find the equilibrium at a speed by Newton's method with steps that are halved.
@@ -143,15 +164,17 @@ class FilmTrain:
         Returns:
             Whether that is so.
         """
-        thinnest = [one.thinnest(place) / one.clearance for one, place in zip(self.bearings, position, strict=True)]
-        return min(thinnest) >= THINNEST_FILM - 1e-12
+        thinnest = [one.thinnest(position[number]) / one.clearance for number, one in self.journals.items()]
+        return min(thinnest, default=1.0) >= THINNEST_FILM - 1e-12
 
     def _first_places(self) -> list[Floats]:
-        direction = self.bearings[0].direction
-        return [self._clearance[:, None] * np.array([direction * x, y]) for x, y in FIRST_PLACES]
+        # A journal on a support of its own begins where it stands aligned.
+        wide = np.where(np.isfinite(self.reach), self.scale, 0.0)
+        direction = next((one.direction for one in self.journals.values()), 1)
+        return [wide[:, None] * np.array([direction * x, y]) for x, y in FIRST_PLACES]
 
     def _distance(self, one: Floats, other: Floats) -> float:
-        return float(np.max(np.linalg.norm(one - other, axis=1) / self._clearance))
+        return float(np.max(np.linalg.norm(one - other, axis=1) / self.scale))
 
     def _newton(self, start: Floats, speed: float) -> FilmEquilibrium | None:
         position = self._inside(start)
@@ -159,7 +182,7 @@ class FilmTrain:
         lacking = self._lacking(position, films)
         for _ in range(STEPS):
             step = self._step(films, lacking)
-            if np.max(np.linalg.norm(step, axis=1) / self._clearance) < SETTLED:
+            if np.max(np.linalg.norm(step, axis=1) / self.scale) < SETTLED:
                 return FilmEquilibrium(speed, position, tuple(films)) if self.carried(position) else None
             for _ in range(HALVINGS):
                 trial = position + step
@@ -181,8 +204,8 @@ class FilmTrain:
             block = slice(2 * number, 2 * number + 2)
             whole[block, block] += one.static_stiffness
         step = np.linalg.solve(whole, -lacking.reshape(-1)).reshape(-1, 2)
-        longest = float(np.max(np.linalg.norm(step, axis=1) / self._clearance))
-        return np.asarray(step * min(1.0, LARGEST_STEP / max(longest, 1e-300)))
+        longest = float(np.max(np.linalg.norm(step, axis=1) / self.reach))
+        return np.asarray(step / max(1.0, longest))
 
     def _lacking(self, position: Floats, films: Sequence[FilmCoefficients]) -> Floats:
         """Return the forces (n, 2) by which films fall short of what the train needs there [N]."""
@@ -207,7 +230,7 @@ def film_train(machine: Machine) -> FilmTrain:
     """Make the films and the statics of a train.
 
     Args:
-        machine: The machine, each bearing of which says what its film is.
+        machine: The machine: each of its bearings says what its film is, or some are on films and the others are supports.
 
     Returns:
         The train on its films.
@@ -218,16 +241,17 @@ def film_train(machine: Machine) -> FilmTrain:
         InvalidSlenderness: A bearing has an impossible ratio of length to diameter.
     """
     lacking = [one.id for one in machine.bearings if one.film is None]
-    if lacking:
+    if lacking and not follows_films(machine):
         raise MissingFilm(f"static loads need the film of each bearing: {', '.join(lacking)} have none in the document")
     statics = train_statics(machine)
-    films = [(one.id, one.film) for one in machine.bearings if one.film is not None]
     at_rest = statics.film_force(statics.aligned)
     low, high = slowest_rpm(machine), machine.speed_range.maximum_rpm
     speeds = rpm_to_rad_per_s(low), rpm_to_rad_per_s(high), rpm_to_rad_per_s(reported_rpm(machine)[-1])
+    coefficients = unknowns(machine, assemble_rotor(machine)).coefficients
     bearings = tuple(
-        journal_bearing(name, said, direction=machine.direction, load=-force, speeds=speeds)
-        for (name, said), force in zip(films, at_rest, strict=True)
+        linear_support(one.id, one.elevation, load=force, coefficients=coefficients)
+        if film is None
+        else journal_bearing(one.id, film, direction=machine.direction, load=-force, speeds=speeds)
+        for one, film, force in zip(machine.bearings, loaded_films(machine.bearings), at_rest, strict=True)
     )
-    raised = np.array([(said.elevation_x, said.elevation_y) for _, said in films])
-    return FilmTrain(statics, bearings, statics.aligned + raised)
+    return FilmTrain(statics, bearings, statics.aligned + np.array([one.raised for one in bearings]))

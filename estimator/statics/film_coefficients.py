@@ -12,7 +12,7 @@ from estimator.statics.equilibrium import FilmEquilibrium
 
 
 def film_coefficients(machine: Machine, equilibrium: FilmEquilibrium) -> Floats:
-    """Return all coefficients of a machine with those of its films.
+    """Return all coefficients of a machine with those of its bearings at an equilibrium.
 
     Args:
         machine: The machine, with K coefficients.

@@ -26,7 +26,7 @@ class FilmCurves:
         self._films = films
         self._speed = speed
         self._weight = np.asarray(films.nominal.spline(np.log(speed)))
-        turning = any(one.turns_sharply for one in films.nominal.train.bearings)
+        turning = any(one.turns_sharply for one in films.nominal.train.journals.values())
         self._between = FilmsBetween(films, speed, self._weight) if turning else None
         self._deviations = deviations.at(speed)
 
@@ -111,7 +111,7 @@ class FilmCurves:
         Returns:
             The equilibria; None where no pad tilts, or a film is too thin.
         """
-        if all(one.described.pads is None for one in self._films.nominal.train.bearings):
+        if all(one.described.pads is None for one in self._films.nominal.train.journals.values()):
             return None
         return self._films.equilibria_at(fitted, self._speed)
 

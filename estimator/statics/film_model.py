@@ -33,8 +33,10 @@ from estimator.units import rpm_to_rad_per_s
 class FilmModel(NeverLevel):
     """The 8n coefficients of n films as functions of their own parameters and of their deviations.
 
+    Bearings beside them that are no films carry loads by coefficients of their own, which other models give.
+
     Attributes:
-        own: Clearance, viscosity and elevation of each film, and what they read.
+        own: Clearance, viscosity and elevation of each film, elevation of each other bearing, and what they read.
         deviations: The films' deviations.
         nominal: The films as the document gives them.
         constant: False.
@@ -59,7 +61,7 @@ class FilmModel(NeverLevel):
 
     @cached_property
     def read(self) -> tuple[str, ...]:
-        """Return the names of the stiffnesses of couplings and pedestals that loads follow from, which other models have."""
+        """Return the names of what loads follow from and other models have: stiffness of couplings, pedestals and bearings."""
         return tuple(one.name for one in self.own.read)
 
     @cached_property
@@ -95,7 +97,7 @@ def film_model(machine: Machine) -> FilmModel:
     anew, so that what one fit finds does not depend on another.
 
     Args:
-        machine: The machine, each bearing of which has a film and the form `journal`.
+        machine: The machine, bearings of which have a film and the form `journal`.
 
     Returns:
         The model.
@@ -112,11 +114,11 @@ def film_model(machine: Machine) -> FilmModel:
 def _untouched(machine: Machine) -> FilmModel:
     """Return a model with which no films but the nominal ones are solved."""
     train = film_train(machine)
-    forms = tuple(one.form for one in bearings_on_films(machine.bearings))
+    forms = {one.number: one.form for one in bearings_on_films(machine.bearings)}
     slowest, fastest = rpm_to_rad_per_s(slowest_rpm(machine)), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    names = tuple(one.name for one in train.bearings)
+    names = tuple(one.name for one in train.journals.values())
     return FilmModel(
-        FilmParameters(train, forms, coupled_train(machine), machine.static_loads),
-        FilmDeviations(names, forms, slowest, fastest),
+        FilmParameters(train, tuple(map(forms.get, range(len(train.bearings)))), coupled_train(machine), machine.static_loads),
+        FilmDeviations(names, tuple(forms.values()), slowest, fastest),
         NominalFilms(train, slowest, fastest),
     )

@@ -1,5 +1,7 @@
 """Derivatives of a train's equilibrium on films by clearances, viscosities, elevations, loads and stiffnesses.
 
+Supports of a stiffness of their own take the place of films: neither clearance nor viscosity, but parameters of that.
+
 The journals rest where S (e + p) = w + f(p), with elevations e, positions p and film forces f. So a change of anything moves
 them by dp = (S + K)⁻¹ (∂f + ∂w - S de - dS (e + p)), K = -∂f/∂p being the films' stiffness against slow motions (implicit
 function). A film's force is a function of p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987)
@@ -22,8 +24,8 @@ FORCE_POWER, COEFFICIENT_POWER = -2, -3
 
 @dataclass(frozen=True)
 class FilmSensitivity:
-    """Derivatives at S speeds by P = 4n + 2m + C parameters: those of `PARAMETERS` of each bearing, then static loads in x and
-    y, then logarithms of the stiffnesses of couplings and pedestals.
+    """Derivatives at S speeds by P = 4n + 2m + C + L parameters: those of `PARAMETERS` of each bearing, then static loads in x
+    and y, then logarithms of the stiffnesses of couplings and pedestals, then fitted numbers of bearings that are supports.
 
     Attributes:
         position: Of the journals' positions (S, P, n, 2) [m, or m/m].
@@ -59,12 +61,14 @@ def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Film
     )
     # By the logarithms of a film's own clearance and viscosity, its journal staying where it is (S, n, 2, …).
     own_force = np.stack([FORCE_POWER * force + np.einsum("snij,snj->sni", static, place), force], axis=2)
+    own_force[:, list(train.supports)] = 0.0
     by_load, slopes = train.statics.by_load, train.statics.slopes
     absolute = (place + train.elevation).reshape(speeds, -1)
     by_stiffness = slopes.weight - np.einsum("cij,sj->sci", slopes.stiffness, absolute)
     of_films = np.zeros((speeds, len(PARAMETERS) * count, 2 * count))
     loads = np.broadcast_to(by_load.T, (speeds, *by_load.T.shape))
-    driving = np.concatenate([of_films, loads, by_stiffness], axis=1)
+    softer = _softened(train, found)
+    driving = np.concatenate([of_films, loads, by_stiffness, softer.reshape(*softer.shape[:2], 2 * count)], axis=1)
     whole = np.repeat(train.statics.stiffness[None], speeds, axis=0)
     for number in range(count):
         block, first = slice(2 * number, 2 * number + 2), len(PARAMETERS) * number
@@ -77,8 +81,21 @@ def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Film
     for number in range(count):
         first = len(PARAMETERS) * number
         moving[:, first : first + 2, number] += own_force[:, number]
+    moving[:, moving.shape[1] - softer.shape[1] :] += softer
     both = ((stiffness, stiffness_slope), (damping, damping_slope))
     return FilmSensitivity(position, moving, *(coefficient_slopes(*one, place=place, position=position) for one in both))
+
+
+def _softened(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Floats:
+    """Return the derivatives (S, L, n, 2) of the forces of supports by their own numbers, journals staying where they are."""
+    speed = np.array([one.speed for one in found])
+    parts = [np.zeros((speed.size, 0, len(train.bearings), 2))]
+    for number, support in train.supports.items():
+        place = np.stack([one.position[number] for one in found])
+        part = np.zeros((speed.size, len(support.parameters), len(train.bearings), 2))
+        part[:, :, number] = -np.einsum("slij,sj->sli", support.stiffness_slopes(speed), place)
+        parts.append(part)
+    return np.concatenate(parts, axis=1)
 
 
 def coefficient_slopes(value: Floats, slope: Floats, *, place: Floats, position: Floats) -> Floats:

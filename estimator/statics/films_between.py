@@ -55,7 +55,7 @@ class FilmsBetween:
         there = self._there(fitted)
         if there is None:
             return np.full((self._speed.size, self._films.count), np.nan)
-        return film_rows(there.stiffness, there.damping)
+        return film_rows(self._films.nominal.train, there.stiffness, there.damping)
 
     def slopes(self, fitted: Floats, block: slice) -> Floats:
         """Compute the derivatives of the films' own coefficients by their own fitted numbers, at some of the speeds.
@@ -103,7 +103,7 @@ class FilmsBetween:
         return np.asarray(thicker[:, None] * by_viscosity)
 
     def _by_parameters(self, fitted: Floats, block: slice) -> Floats | None:
-        """Return derivatives (s, 8n, 4n + 2m + C) by the parameters of `FilmSensitivity`; None where a film is too thin."""
+        """Return derivatives (s, 8n, P) by the parameters of `FilmSensitivity`; None where a film is too thin."""
         there, moved = self._there(fitted), self._films.sensitivity(fitted)
         if there is None or moved is None:
             return None
@@ -112,7 +112,7 @@ class FilmsBetween:
             coefficient_slopes(value[block], slope[block], place=place, position=position)
             for value, slope in ((there.stiffness, there.stiffness_slope), (there.damping, there.damping_slope))
         )
-        return np.moveaxis(film_rows(stiffness, damping), 1, -1)
+        return np.moveaxis(film_rows(self._films.nominal.train, stiffness, damping), 1, -1)
 
     def _there(self, fitted: Floats) -> _FilmsThere | None:
         key, known = self._films.own.of(fitted).tobytes(), self._last

@@ -10,7 +10,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
-from estimator.statics.equilibrium import HALVINGS, LARGEST_STEP, SETTLED, STEPS, FilmEquilibrium, FilmTrain
+from estimator.statics.equilibrium import HALVINGS, SETTLED, STEPS, FilmEquilibrium, FilmTrain
 
 
 @dataclass(frozen=True)
@@ -45,13 +45,12 @@ def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[Fi
     Returns:
         The equilibrium at each speed; None where one is not found.
     """
-    clearance = np.array([one.clearance for one in train.bearings])
     if not _covered(train, start).all():
         return None
     state = _state(train, speeds, start)
     for _ in range(STEPS):
-        step = _newton_step(train, state, clearance)
-        if np.max(np.linalg.norm(step, axis=2) / clearance) < SETTLED:
+        step = _newton_step(train, state)
+        if np.max(np.linalg.norm(step, axis=2) / train.scale) < SETTLED:
             return tuple(
                 FilmEquilibrium(float(speed), state.position[place], state.at(place)) for place, speed in enumerate(speeds)
             )
@@ -73,7 +72,7 @@ def _lacking(train: FilmTrain, position: Floats, forces: Sequence[Floats]) -> Fl
     return np.asarray(needed.reshape(position.shape) - np.stack(forces, axis=1))
 
 
-def _newton_step(train: FilmTrain, state: _JournalsOverSpeed, clearance: Floats) -> Floats:
+def _newton_step(train: FilmTrain, state: _JournalsOverSpeed) -> Floats:
     """Return the steps (S, n, 2) of Newton's method, none longer than allowed [m]."""
     count = len(state.position)
     whole = np.repeat(train.statics.stiffness[None], count, axis=0)
@@ -81,8 +80,8 @@ def _newton_step(train: FilmTrain, state: _JournalsOverSpeed, clearance: Floats)
         block = slice(2 * number, 2 * number + 2)
         whole[:, block, block] += one.static_stiffness
     step = np.linalg.solve(whole, -state.lacking.reshape(count, -1, 1)).reshape(state.position.shape)
-    longest = np.max(np.linalg.norm(step, axis=2) / clearance, axis=1)
-    return np.asarray(step * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-300))[:, None, None])
+    longest = np.max(np.linalg.norm(step, axis=2) / train.reach, axis=1)
+    return np.asarray(step / np.maximum(1.0, longest)[:, None, None])
 
 
 def _shortened(train: FilmTrain, speeds: Floats, state: _JournalsOverSpeed, step: Floats) -> _JournalsOverSpeed | None:

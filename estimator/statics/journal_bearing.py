@@ -49,6 +49,11 @@ class JournalBearing:
         return self.described.diameter / 2
 
     @property
+    def raised(self) -> tuple[float, float]:
+        """Return where the document has its centre, over the aligned place, along x and y [m]."""
+        return self.described.elevation_x, self.described.elevation_y
+
+    @property
     def turns_sharply(self) -> bool:
         """Return whether the film may turn sharply where the journal passes a lobe's centre of curvature."""
         return self.described.pads is None and self.described.preload > 0.0

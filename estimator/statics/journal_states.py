@@ -13,7 +13,7 @@ class JournalStates:
     """States of n journals at S speeds, with derivatives by the P own fitted numbers of their films.
 
     Attributes:
-        clearance: Radial clearances (n,) [m].
+        clearance: Radial clearances (n,); infinite of a bearing that is no film [m].
         position: Positions (S, n, 2) relative to the bearings' centres, x and y [m].
         force: Forces (S, n, 2) of the films on the journals, x and y: what the bearings carry [N].
         position_slope: Derivatives (S, n, 2, P) of the positions [m].

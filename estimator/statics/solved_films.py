@@ -16,6 +16,7 @@ from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.film_parameters import FilmParameters
 from estimator.statics.film_sensitivity import PARAMETERS, FilmSensitivity, film_sensitivity
 from estimator.statics.films_over_speed import equilibria_near
+from estimator.statics.first_touch import first_touch_words
 from estimator.units import rad_per_s_to_rpm
 
 SPEEDS = 12
@@ -78,8 +79,8 @@ class NominalFilms:
             if one is None or not self.train.carried(one.position):
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
-                    f"bearing: are geometry and oil right? {most_loaded_words(self.train)}. Below the speed at which films "
-                    "carry, give valid_above_rpm"
+                    f"bearing: are geometry and oil right? {first_touch_words(self.train, speed)}. Below the speed at which "
+                    "films carry, give valid_above_rpm"
                 )
             found.append(one)
         return tuple(found)
@@ -94,24 +95,6 @@ class NominalFilms:
             if found is not None:
                 return found
         return self.train.follow(self.speed)
-
-
-def most_loaded_words(train: FilmTrain) -> str:
-    """State which bearing has the highest pressure at rest.
-
-    Source: standard result: the load over the projected area, diameter times length.
-
-    Args:
-        train: The train on its films.
-
-    Returns:
-        The bearing, its load [N] and pressure [MPa], and what is usual.
-    """
-    loads = np.linalg.norm(train.statics.film_force(train.elevation), axis=1)
-    pressures = loads / [one.described.diameter * one.described.length for one in train.bearings]
-    worst = int(np.argmax(pressures))
-    carried = f"{loads[worst]:.3g} N on bearing '{train.bearings[worst].name}'"
-    return f"{carried} at rest are {1e-6 * pressures[worst]:.3g} MPa over diameter and length; usual is 0.5 to 3 MPa"
 
 
 @dataclass(frozen=True)
@@ -144,8 +127,10 @@ class _Solution:
         position = np.stack([one.position for one in self.found])
         if self.slopes is not None:
             yield position + self.slopes @ (own - self.own)
-        pairs = zip(train.bearings, self.train.bearings, strict=True)
-        yield position * np.array([[new.clearance / old.clearance] for new, old in pairs])
+        wider = np.ones((len(train.bearings), 1))
+        for number, old in self.train.journals.items():
+            wider[number] = train.bearings[number].clearance / old.clearance
+        yield position * wider
 
 
 @dataclass(frozen=True)
@@ -198,12 +183,12 @@ class SolvedFilms:
     @property
     def viscosities(self) -> list[int]:
         """Return the places of the own parameters that are viscosities, or factors of several."""
-        return sorted({self.own.place(number, "viscosity") for number in range(len(self.own.forms))})
+        return sorted({self.own.place(number, "viscosity") for number in self.nominal.train.journals})
 
     @property
     def count(self) -> int:
-        """Return the number of coefficients, 8n."""
-        return 8 * len(self.own.forms)
+        """Return the number of coefficients, 8n of the n bearings that are on films."""
+        return 8 * len(self.nominal.train.journals)
 
     def coefficients(self, fitted: Floats) -> Floats:
         """Compute the films' own coefficients.
@@ -217,7 +202,9 @@ class SolvedFilms:
         found = self.equilibria(fitted)
         if found is None:
             return np.full((self.nominal.speed.size, self.count), np.nan)
-        return film_rows(np.stack([one.stiffness for one in found]), np.stack([one.damping for one in found]))
+        return film_rows(
+            self.nominal.train, np.stack([one.stiffness for one in found]), np.stack([one.damping for one in found])
+        )
 
     def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at these speeds.
@@ -310,7 +297,9 @@ class SolvedFilms:
         if found is None:
             return np.full((self.nominal.speed.size, self.count, count), np.nan)
         first = len(PARAMETERS) * len(self.own.forms)
-        rows = film_rows(found.stiffness[:, first : first + count], found.damping[:, first : first + count])
+        rows = film_rows(
+            self.nominal.train, found.stiffness[:, first : first + count], found.damping[:, first : first + count]
+        )
         return np.moveaxis(rows, 1, -1)
 
     def motions(self, fitted: Floats) -> tuple[Floats, Floats]:
@@ -335,26 +324,27 @@ class SolvedFilms:
         found, count = self.sensitivity(fitted), self.own.count
         speed = self.nominal.speed
         if found is None:
-            journals = np.full((speed.size, self.count // 8, 2, count), np.nan)
+            journals = np.full((speed.size, len(self.own.forms), 2, count), np.nan)
             return _Slopes(np.full((speed.size, self.count, count), np.nan), journals, journals)
         position, force, coefficients = (
             self.own.by_fitted(np.moveaxis(one, 1, -1), speed=speed)
-            for one in (found.position, found.force, film_rows(found.stiffness, found.damping))
+            for one in (found.position, found.force, film_rows(self.nominal.train, found.stiffness, found.damping))
         )
         self._last = replace(self._last, slopes=position)
         return _Slopes(coefficients, position, force)
 
 
-def film_rows(stiffness: Floats, damping: Floats) -> Floats:
-    """Return the coefficients of n films as rows.
+def film_rows(train: FilmTrain, stiffness: Floats, damping: Floats) -> Floats:
+    """Return the coefficients of those bearings of a train that are on films as rows.
 
     Args:
-        stiffness: Matrices (..., n, 2, 2) [N/m].
-        damping: Matrices (..., n, 2, 2) [N s/m].
+        train: The train, of b bearings of which n are on films.
+        stiffness: Matrices (..., b, 2, 2) [N/m].
+        damping: Matrices (..., b, 2, 2) [N s/m].
 
     Returns:
         Rows (..., 8n), film by film: first the stiffness [N/m], then the damping [N s/m].
     """
-    each = [one.reshape(*one.shape[:-2], 4) for one in (stiffness, damping)]
-    whole = np.concatenate(each, axis=-1)
-    return whole.reshape(*whole.shape[:-2], -1)
+    on_films = list(train.journals)
+    each = [one[..., on_films, :, :].reshape(*one.shape[:-3], len(on_films), 4) for one in (stiffness, damping)]
+    return np.concatenate(each, axis=-1).reshape(*stiffness.shape[:-3], -1)

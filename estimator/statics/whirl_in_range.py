@@ -55,7 +55,7 @@ def touching_words(machine: Machine) -> str:
         machine: The machine.
 
     Returns:
-        The words, with the most loaded bearing; empty where all carry, or where nothing follows films.
+        The words, with the bearing whose journal touches first; empty where all carry, or where nothing follows films.
     """
     if not follows_films(machine):
         return ""

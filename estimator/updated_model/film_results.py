@@ -14,6 +14,7 @@ from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.placed_models import PlacedModel
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.film_speeds import reported_rpm
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel
@@ -50,11 +51,13 @@ class FilmResult:
 def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     """Compute coefficients of all films at the speeds that the document is asked at, and states at running speed.
 
+    Of a bearing beside them that is no film the load is told.
+
     Args:
         model: The updated model.
 
     Returns:
-        The numbers, film by film; none of a train whose coefficients do not follow from films.
+        The numbers, bearing by bearing; none of a train whose coefficients do not follow from films.
     """
     speed = np.array([rpm_to_rad_per_s(one) for one in reported_rpm(model.machine)])
     coordinates = model.coordinates_at(speed)
@@ -68,17 +71,15 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
         return ()
     unit = coordinates.unit[placed.numbers]
     covariance = model.covariance[np.ix_(placed.numbers, placed.numbers)] / np.outer(unit, unit)
-    coefficients = list(_coefficients(model, placed, theta, covariance))
     own = covariance[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
-    each = len(coefficients) // len(model.machine.bearings)
-    return tuple(
-        one
-        for number, bearing in enumerate(model.machine.bearings)
-        for one in (
-            *coefficients[each * number : each * (number + 1)],
-            *_state(f"bearing.{bearing.id}", states, number, films.own.place(number, "clearance"), own),
-        )
-    )
+    on_films = {one.number for one in bearings_on_films(model.machine.bearings)}
+    found = list(_coefficients(model, placed, theta, covariance))
+    for number, bearing in enumerate(model.machine.bearings):
+        found += _loads(f"bearing.{bearing.id}", states, number, own)
+        if number in on_films:
+            found += _journal(f"bearing.{bearing.id}", states, number, films.own.place(number, "clearance"), own)
+    order = {f"bearing.{one.id}": number for number, one in enumerate(model.machine.bearings)}
+    return tuple(sorted(found, key=lambda one: order[one.name.rpartition(".")[0]]))
 
 
 def placed_films(coordinates: Coordinates) -> tuple[PlacedModel, FilmModel] | None:
@@ -99,7 +100,7 @@ def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covar
     errors = standard_errors(placed.derivatives(theta, slice(None)), covariance)
     speeds = reported_rpm(model.machine)
     column = {name: c for c, name in enumerate(placed.model.coefficients)}
-    for bearing in model.machine.bearings:
+    for bearing in bearings_on_films(model.machine.bearings):
         for term in LATERAL:
             c, *beside = (column[f"bearing.{bearing.id}.{one}"] for one in (term.name, *term.beside))
             for place, rpm in enumerate(speeds):
@@ -113,14 +114,19 @@ def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covar
                 )
 
 
-def _state(element: str, states: JournalStates, number: int, clearance: int, covariance: Floats) -> Iterator[FilmResult]:
-    """Yield load, position and eccentricity of one journal at the last speed; clearance: place of its own among the
+def _loads(element: str, states: JournalStates, number: int, covariance: Floats) -> Iterator[FilmResult]:
+    """Yield the load on one bearing at the last speed."""
+    force, slope = states.force[-1, number], states.force_slope[-1, number]
+    for name, axis in (("load_vertical", 1), ("load_horizontal", 0)):
+        error = load_error(slope[axis], covariance, force=force)
+        yield FilmResult(f"{element}.{name}", UNITS["force"], float(force[axis]), error)
+
+
+def _journal(element: str, states: JournalStates, number: int, clearance: int, covariance: Floats) -> Iterator[FilmResult]:
+    """Yield position and eccentricity of one journal in its film at the last speed; clearance: place of its own among the
     parameters."""
-    force, position = states.force[-1, number], states.position[-1, number]
-    force_slope, position_slope = states.force_slope[-1, number], states.position_slope[-1, number]
+    position, position_slope = states.position[-1, number], states.position_slope[-1, number]
     rows = [
-        ("load_vertical", UNITS["force"], force[1], force_slope[1]),
-        ("load_horizontal", UNITS["force"], force[0], force_slope[0]),
         ("journal_x", "m", position[0], position_slope[0]),
         ("journal_y", "m", position[1], position_slope[1]),
     ]
@@ -131,9 +137,7 @@ def _state(element: str, states: JournalStates, number: int, clearance: int, cov
         slope[clearance] -= part  # by the logarithm of its own clearance
         rows.append(("eccentricity_ratio", "1", part, slope))
     for name, unit, value, slope in rows:
-        of_load = unit == UNITS["force"]
-        error = load_error(slope, covariance, force=force) if of_load else float(standard_errors(slope, covariance))
-        yield FilmResult(f"{element}.{name}", unit, float(value), error)
+        yield FilmResult(f"{element}.{name}", unit, float(value), float(standard_errors(slope, covariance)))
 
 
 def load_error(slope: Floats, covariance: Floats, *, force: Floats) -> float:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.machine.bearings_on_films import BearingOnFilm, bearings_on_films
 from estimator.machine.document import Machine
-from estimator.machine.parts import Bearing
 from estimator.phasors.measurement import Measurement
 from estimator.statics.journal_states import journal_states
 from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
@@ -25,13 +25,15 @@ ACROSS = 0.2
 
 @dataclass(frozen=True)
 class JournalLines:
-    """Journals' positions in their bearings, as a model has them at S speeds.
+    """Positions of n journals in their films, as a model has them at S speeds.
 
     Attributes:
+        bearings: Ids of their bearings.
         clearance: Radial clearances (n,) [m].
         position: Positions (S, n, 2), x and y [m].
     """
 
+    bearings: tuple[str, ...]
     clearance: Floats
     position: Floats
 
@@ -52,7 +54,11 @@ def modelled_lines(model: UpdatedModel, *, speed: Floats) -> JournalLines | None
         return None
     placed, films = found
     states = journal_states(films, placed.own(coordinates.theta(model.values)), speed=speed)
-    return None if states is None else JournalLines(states.clearance, states.position)
+    if states is None:
+        return None
+    on_films = bearings_on_films(model.machine.bearings)
+    numbers = [one.number for one in on_films]
+    return JournalLines(tuple(one.id for one in on_films), states.clearance[numbers], states.position[:, numbers])
 
 
 def measured_lines(model: UpdatedModel, measurement: Measurement) -> Floats | None:
@@ -65,8 +71,9 @@ def measured_lines(model: UpdatedModel, measurement: Measurement) -> Floats | No
         measurement: S samples of one run with gaps.
 
     Returns:
-        Positions (S, n, 2) [m]; NaN of bearings without two probes across each other at their journal, and of samples without
-        gaps of both. None without gaps, or of a train whose coefficients do not follow from films.
+        Positions (S, n, 2) of the n journals on films [m]; NaN of bearings without two probes across each other at their
+        journal, and of samples without gaps of both. None without gaps, or of a train whose coefficients do not follow from
+        films.
     """
     coordinates = model.coordinates_at(measurement.speed)
     found = placed_films(coordinates)
@@ -82,23 +89,24 @@ def measured_lines(model: UpdatedModel, measurement: Measurement) -> Floats | No
     told = np.isfinite(gone)
     mean = np.sum(np.where(told, gone, 0.0), axis=0) / np.maximum(np.count_nonzero(told, axis=0), 1)
     beside = gone - mean
-    lines = np.full(states.position.shape, np.nan)
-    for number, bearing in enumerate(machine.bearings):
+    on_films = bearings_on_films(machine.bearings)
+    lines = np.full((len(measurement.speed), len(on_films), 2), np.nan)
+    for place, bearing in enumerate(on_films):
         probes = _probes_at(machine, bearing)
         if probes:
             angle = np.deg2rad([machine.probes[one].angle_deg for one in probes])
             axes = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            lines[:, number] = states.position[:, number] + beside[:, probes] @ np.linalg.pinv(axes).T
+            lines[:, place] = states.position[:, bearing.number] + beside[:, probes] @ np.linalg.pinv(axes).T
     return lines
 
 
-def _probes_at(machine: Machine, bearing: Bearing) -> Sequence[int]:
+def _probes_at(machine: Machine, bearing: BearingOnFilm) -> Sequence[int]:
     """Return the probes within a bearing's length of its journal that together tell x from y; none where they do not."""
-    reach = bearing.film.length if bearing.film is not None else 0.0
+    said = machine.bearings[bearing.number]
     found = [
         number
         for number, one in enumerate(machine.probes)
-        if one.shaft == bearing.shaft and abs(one.station - bearing.station) <= reach and one.gap_grows is not None
+        if one.shaft == said.shaft and abs(one.station - said.station) <= bearing.film.length and one.gap_grows is not None
     ]
     angle = np.deg2rad([machine.probes[one].angle_deg for one in found])
     return found if np.abs(np.sin(angle[:, None] - angle)).max(initial=0.0) >= ACROSS else ()

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.statics.journal_states import journal_states
 from estimator.units import METRES, RAD_PER_S
 from estimator.updated_model.film_results import placed_films
@@ -33,13 +34,13 @@ def centreline(model: UpdatedModel) -> "Figure":
     states = journal_states(films, own, speed=speed)
     if states is None:
         raise NoFilms(f"the films of '{model.machine.id}' have no equilibrium at all speeds of the range")
-    bearings = model.machine.bearings
+    bearings = bearings_on_films(model.machine.bearings)
     drawn, axes = figure(1, len(bearings))
     circle = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 100))
     for number, bearing in enumerate(bearings):
         plot = axes[0, number]
-        clearance = states.clearance[number] / METRES["um"]
-        place = states.position[:, number] / METRES["um"]
+        clearance = states.clearance[bearing.number] / METRES["um"]
+        place = states.position[:, bearing.number] / METRES["um"]
         plot.plot(clearance * circle.real, clearance * circle.imag, color="0.6")
         plot.plot(place[:, 0], place[:, 1], color=FITTED)
         for at in (0, -1):

@@ -11,7 +11,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.parameter_names import (
     ALIGNMENT_UNITS,
-    JOURNAL_UNITS,
+    LOAD_UNITS,
     STATIC_LOAD_UNITS,
     derived_units,
     parameter_units,
@@ -33,7 +33,7 @@ FOLDERS = (PARAMETERS, ALIGNMENT, LOADS, DERIVED)
 """Folders of a machine's values."""
 LOAD_NAMES = (
     frozenset(STATIC_LOAD_UNITS)
-    | {name for name, unit in JOURNAL_UNITS.items() if unit == "N"}
+    | frozenset(LOAD_UNITS)
     | {
         "misalignment_force",
         "misalignment_moment",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.statics.journal_states import journal_states
 from estimator.units import METRES
 from estimator.updated_model.film_results import placed_films
@@ -40,8 +41,12 @@ def journal_paths(one: Identified) -> list[JournalPath]:
     if states is None:
         return []
     return [
-        JournalPath(bearing.id, states.position[:, number] / METRES["um"], float(states.clearance[number]) / METRES["um"])
-        for number, bearing in enumerate(one.machine.bearings)
+        JournalPath(
+            bearing.id,
+            states.position[:, bearing.number] / METRES["um"],
+            float(states.clearance[bearing.number]) / METRES["um"],
+        )
+        for bearing in bearings_on_films(one.machine.bearings)
     ]
 
 

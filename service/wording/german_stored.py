@@ -178,6 +178,37 @@ GERMAN_STORED: Mapping[str, str] = {
         "die Ölfilme weichen schärfer über der Drehzahl von ihrem Modell ab, als es zulässt, um etwa {size} % von einem "
         "Abschnitt von {length} % des Drehzahlbereichs zum nächsten: Vertrauensbereiche sind verbreitert"
     ),
+    (
+        "coefficients deviate by {size} % over speed from the document's forms, beside oil films that deviate themselves: "
+        "intervals are widened"
+    ): (
+        "Koeffizienten weichen über der Drehzahl um {size} % von den Formen des Dokuments ab, neben Ölfilmen, die selbst "
+        "abweichen: Vertrauensbereiche sind verbreitert"
+    ),
+    (
+        "at {speed} r/min a journal would be within a twentieth of the clearance of its bearing: are geometry and oil right? "
+        "{load} N on bearing '{id}', whose journal touches first, at rest are {pressure} MPa over diameter and length"
+    ): (
+        "bei {speed} 1/min käme ein Zapfen seinem Lager auf ein Zwanzigstel des Lagerspiels nahe: stimmen Geometrie und Öl? "
+        "{load} N auf Lager '{id}', dessen Zapfen zuerst berührt, sind im Stillstand {pressure} MPa über Durchmesser mal Länge"
+    ),
+    (
+        "at {speed} r/min a journal would be within a twentieth of the clearance of its bearing: are geometry and oil right? "
+        "{load} N on bearing '{id}' at rest are {pressure} MPa over diameter and length"
+    ): (
+        "bei {speed} 1/min käme ein Zapfen seinem Lager auf ein Zwanzigstel des Lagerspiels nahe: stimmen Geometrie und Öl? "
+        "{load} N auf Lager '{id}' sind im Stillstand {pressure} MPa über Durchmesser mal Länge"
+    ),
+    "usual is 0.5 to 3 MPa. Below the speed at which films carry, give valid_above_rpm": (
+        "üblich sind 0,5 bis 3 MPa. Unterhalb der Drehzahl, ab der die Filme tragen, valid_above_rpm angeben"
+    ),
+    (
+        "valid_above_rpm of a film is {speed} r/min, and the speed range ends at {end} r/min: at no speed of it all films "
+        "carry"
+    ): (
+        "valid_above_rpm eines Films ist {speed} 1/min, und der Drehzahlbereich endet bei {end} 1/min: bei keiner Drehzahl "
+        "darin tragen alle Filme"
+    ),
     "not physically possible: at {speed} rpm, where the machine ran, {what}": (
         "physikalisch nicht möglich: bei {speed} 1/min, wo die Maschine lief, {what}"
     ),

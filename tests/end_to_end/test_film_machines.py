@@ -20,7 +20,7 @@ def all_identified(service: Service, machine: str) -> bool:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("machine", ["motor-compressor", "turbine-on-tilting-pads"])
+@pytest.mark.parametrize("machine", ["motor-compressor", "turbine-on-tilting-pads", "motor-on-rolling-elements"])
 def test_films_are_identified_and_trended(service: Service, tmp_path: Path, machine: str) -> None:
     truth = tmp_path / "truth.jsonl"
     options = {"cycles": CYCLES, "samples": 120, "rate": 250, "seed": 3, "truth": truth, "connect": service.endpoint}
@@ -33,9 +33,9 @@ def test_films_are_identified_and_trended(service: Service, tmp_path: Path, mach
         assert service.get("/health")["jobs"].get("failed", 0) == 0
         found = service.get(f"/machines/{machine}/identifications")
         assert [one["accepted"] for one in found] == [True] * 2 * CYCLES, [one["verdict"] for one in found]
-        true = [json.loads(line)["parameters"]["bearing.B2.clearance"] for line in truth.read_text().splitlines()]
+        true = [json.loads(line)["parameters"]["bearing.B3.clearance"] for line in truth.read_text().splitlines()]
         check_trend(service, machine, true)
-        load = trend(service, machine, "bearing.B2.load_vertical")
+        load = trend(service, machine, "bearing.B3.load_vertical")
         assert load["unit"] == "N"
         assert min(load["value"]) > 500.0
         check_alignment(service, machine)
@@ -43,11 +43,11 @@ def test_films_are_identified_and_trended(service: Service, tmp_path: Path, mach
 
 def check_trend(service: Service, machine: str, true: list[float]) -> None:
     """The history of a clearance is the simulated one, within its errors."""
-    series = trend(service, machine, "bearing.B2.clearance")
+    series = trend(service, machine, "bearing.B3.clearance")
     assert series["unit"] == "m"
     away = (np.array(series["value"]) - true) / np.array(series["standard_error"])
     assert np.abs(away).max() < 4.0
-    gap = trend(service, machine, "bearing.B2.eccentricity_ratio")["value"]
+    gap = trend(service, machine, "bearing.B3.eccentricity_ratio")["value"]
     assert all(0.05 < one < 0.95 for one in gap)
 
 

@@ -10,8 +10,9 @@ from estimator.phasors.measurement import MeasuredGaps, Measurement
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.oil import HeatedOil
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
-from tests.film_plant.plants import PRIORS, Priors
+from tests.film_plant.plants import PRIORS, SUPPORT_SPREAD, Priors
 from tests.film_plant.statics import Equilibrium
+from tests.film_plant.supports import OwnCoefficients
 from tests.film_plant.tilting import TILTING
 from tests.film_plant.train import Bearing, Pedestal
 
@@ -98,6 +99,11 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
     said = geometry(plant)
     rigid = any(one["kxx"] > RIGID for one in said["couplings"])
     for bearing, one in zip(said["bearings"], plant.believed.bearings, strict=True):
+        if one.own is not None:
+            bearing |= _own_coefficients(one.own) | {
+                "elevation": {"spread": priors.rigid_elevation if rigid else priors.elevation}
+            }
+            continue
         bearing["film"] = {
             "diameter": one.diameter,
             "length": one.length,
@@ -117,7 +123,23 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             bearing["speed_dependence"]["viscosity_ratio_spread"] = priors.viscosity_difference
         if isinstance(one.oil, HeatedOil):
             bearing["speed_dependence"]["viscosity_slope_spread"] = SLOPE_SPREAD
-    return said
+    rules = [
+        {"names": f"bearing.B{number}.{term}", "spread": SUPPORT_SPREAD}
+        for number, one in enumerate(plant.believed.bearings, start=1)
+        if one.own is not None and one.own.constant
+        for term in DIRECT
+    ]
+    return said | ({"parameters": rules} if rules else {})
+
+
+def _own_coefficients(own: OwnCoefficients) -> dict[str, Any]:
+    """The coefficients of a bearing that is no film, as they are believed: a number each, or a table over speed."""
+    values = np.concatenate([own.stiffness.reshape(-1, 4), own.damping.reshape(-1, 4)], axis=1).T
+    named = dict(zip(STIFFNESS + DAMPING, values.tolist(), strict=True))
+    if own.constant:
+        return {name: value for name, (value,) in named.items()}
+    table = {"form": "table", "speed_rpm": (own.speed / RPM).tolist(), "scale_spread": SUPPORT_SPREAD}
+    return {"speed_dependence": table | named}
 
 
 def _oil(bearing: Bearing) -> dict[str, Any]:

@@ -74,7 +74,16 @@ class Plant:
     def films(self, speed: Floats) -> Equilibrium:
         """True films at speeds (S,) [rad/s]."""
         found = Statics(self.train, self.matrices).follow(speed)
-        return found if self.discrepancy is None else self.discrepancy.applied(found)
+        return found if self.discrepancy is None else self._of_films_only(self.discrepancy.applied(found), found)
+
+    def _of_films_only(self, changed: Equilibrium, found: Equilibrium) -> Equilibrium:
+        """The changed coefficients of films, those of other bearings as they were."""
+        on_films = np.isin(np.arange(len(self.train.bearings)), self.train.on_films)[:, None, None]
+        return replace(
+            changed,
+            stiffness=np.where(on_films, changed.stiffness, found.stiffness),
+            damping=np.where(on_films, changed.damping, found.damping),
+        )
 
     def speeds(self, samples: int) -> Floats:
         """Speeds of a run-down (S,) [rad/s], evenly spaced from the highest on."""

@@ -15,8 +15,9 @@ from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
 from tests.film_plant.oil import HeatedOil
 from tests.film_plant.other_trains import other_train
 from tests.film_plant.plant import RPM, Plant
-from tests.film_plant.proportions import Design, believed_train, placed, standing
+from tests.film_plant.proportions import PRESSURES, Design, believed_train, placed, standing
 from tests.film_plant.statics import Equilibrium, NoEquilibrium
+from tests.film_plant.supports import rolling, tabulated
 from tests.film_plant.train import ConstantOil, Oil, Train
 
 SMALLEST_RATIO = 0.005
@@ -31,6 +32,8 @@ MOST_DRAWS = 200
 """Most trains that are drawn for one plant."""
 HOTTEST_FILM = 95.0
 """Highest effective temperature of a film of a train that is taken [°C]."""
+SUPPORT_SPREAD = 0.15
+"""Standard deviation of the logarithm by which coefficients of bearings that are no films differ from what is believed [-]."""
 CHECKED_SPEEDS = 9
 """Speeds at which a train's stability is checked."""
 
@@ -101,6 +104,35 @@ def random_plant(
         return _checked(Plant(f"plant {seed}", truth, believed, float(rng.uniform(0.15, 0.2) * fastest), fastest))
 
     return _with_discrepancy(_first(draw, f"train of seed {seed}"), discrepancy, rng)
+
+
+def mixed_plant(seed: int, *, priors: Priors = PRIORS, discrepancy: DiscrepancySize | None = None) -> Plant:
+    """Draw a train of which one shaft runs on films, the other on rolling elements (even seeds) or by a maker's table.
+
+    Of each four plants the third and fourth have the driver on films. The true coefficients are off by `SUPPORT_SPREAD`.
+    """
+    rng = np.random.default_rng([seed, 23])
+    supported = 0 if seed % 4 < 2 else 1
+
+    def draw() -> Plant | None:
+        believed, kind, fastest = believed_train(rng, PLAIN_DESIGN)
+        slowest = float(rng.uniform(0.15, 0.2) * fastest)
+        bearings = []
+        for one in believed.bearings:
+            if one.shaft == supported:
+                load = 0.5 * sum(PRESSURES) * one.diameter * one.length
+                own = tabulated(load, slowest, fastest, rng) if seed % 2 else rolling(load, fastest, rng)
+                one = replace(one, own=own)
+            bearings.append(one)
+        believed = replace(believed, bearings=tuple(bearings))
+        truth = _truth(believed, rng, priors, kind)
+        off = tuple(
+            one if one.own is None else replace(one, own=one.own.scaled(np.exp(SUPPORT_SPREAD * rng.standard_normal(4))))
+            for one in truth.bearings
+        )
+        return _checked(Plant(f"mixed {seed}", replace(truth, bearings=off), believed, slowest, fastest))
+
+    return _with_discrepancy(_first(draw, f"mixed train of seed {seed}"), discrepancy, rng)
 
 
 def motor_compressor_plant(
@@ -180,10 +212,11 @@ def _checked(plant: Plant) -> Plant | None:
         films = plant.films(plant.speeds(CHECKED_SPEEDS))
     except NoEquilibrium:
         return None
+    way = films.way[:, plant.train.on_films]
     if (
         _hottest(plant, films) > HOTTEST_FILM
-        or films.way.max() > LARGEST_WAY
-        or films.way[0].min() < LEAST_WAY
+        or way.max() > LARGEST_WAY
+        or way[0].min() < LEAST_WAY
         or films.load[..., 1].min() <= 0.0
     ):
         return None

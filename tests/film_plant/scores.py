@@ -15,8 +15,9 @@ from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import response
 from estimator.updated_model.derived_quantities import Derived
 from tests.film_plant.arrays import Floats
-from tests.film_plant.documents import DAMPING, SPEED_MARGIN, STIFFNESS, measured, pedestal_terms
+from tests.film_plant.documents import DAMPING, DIRECT, SPEED_MARGIN, STIFFNESS, measured, pedestal_terms
 from tests.film_plant.plant import RPM, Plant
+from tests.film_plant.supports import OwnCoefficients
 
 Truths = dict[str, complex]
 """True value by the name of an estimate [SI]."""
@@ -105,8 +106,22 @@ def film_truths(plant: Plant) -> Truths:
         found[f"{name}.viscosity"] = complex(fastest.viscosity[0, number - 1])
         for axis, place in (("x", 0), ("y", 1)):
             found[f"{name}.elevation_{axis}"] = complex(true.elevation[place] - believed.elevation[place])
+        if true.own is not None and believed.own is not None:
+            found |= _own_truths(name, true.own, believed.own)
         if true.pedestal is not None:
             found |= {f"pedestal.P{number}.{term}": complex(value) for term, value in pedestal_terms(true.pedestal)}
+    return found
+
+
+def _own_truths(name: str, true: OwnCoefficients, believed: OwnCoefficients) -> Truths:
+    """Coefficients of a bearing that is no film; of one that follows a table, the factors on its direct terms."""
+    values, expected = (np.concatenate([one.stiffness[0].ravel(), one.damping[0].ravel()]) for one in (true, believed))
+    found: Truths = {}
+    for term, value, said in zip((*STIFFNESS, *DAMPING), values, expected, strict=True):
+        if true.constant:
+            found[f"{name}.{term}"] = complex(value)
+        elif term in DIRECT:
+            found[f"{name}.{term}_scale"] = complex(value / said)
     return found
 
 

@@ -147,6 +147,12 @@ class Statics:
         force, slow = np.zeros(size), np.zeros((size, size))
         stiffness, damping = np.zeros((size // 2, 2, 2)), np.zeros((size // 2, 2, 2))
         for k, (bearing, place) in enumerate(zip(self.train.bearings, self._places(position), strict=True)):
+            if bearing.own is not None:
+                here = slice(2 * k, 2 * k + 2)
+                stiffness[k], damping[k] = bearing.own.at(speed)
+                slow[here, here] = stiffness[k]
+                force[here] = self._at_rest[here] - stiffness[k] @ position[here]
+                continue
             film = self._tables[k].at(place)
             unit = bearing.force_unit(viscosity=float(viscosity[k]), speed=speed)
             here = slice(2 * k, 2 * k + 2)

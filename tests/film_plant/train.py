@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from tests.film_plant.arrays import Floats
+from tests.film_plant.supports import OwnCoefficients
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,7 @@ class Bearing:
         profile: Name of the bore, see `profile.PROFILES`.
         elevation: Place of the bearing's centre, x and y [m].
         pedestal: What carries it; None for rigid ground.
+        own: Its coefficients where it is no film; None of one that is.
     """
 
     shaft: int
@@ -101,6 +103,7 @@ class Bearing:
     profile: str = "plain"
     elevation: tuple[float, float] = (0.0, 0.0)
     pedestal: Pedestal | None = None
+    own: OwnCoefficients | None = None
 
     @property
     def slenderness(self) -> float:
@@ -156,3 +159,8 @@ class Train:
     def elevations(self) -> Floats:
         """Places of the bearings' centres (n, 2) [m]."""
         return np.array([one.elevation for one in self.bearings])
+
+    @property
+    def on_films(self) -> list[int]:
+        """Numbers of the bearings that are films."""
+        return [number for number, one in enumerate(self.bearings) if one.own is None]

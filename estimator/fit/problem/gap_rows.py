@@ -226,7 +226,9 @@ def _by_deviations(model: "FilmModel", centreline: "ShaftCentreline", speed: Flo
     """Return what deviations of the films' forces move at the probes (S, m, r), each with a factor of unit variance [m]."""
     nominal = model.nominal
     shapes = DeviationShapes(nominal.slowest, nominal.fastest).at(np.clip(speed, nominal.slowest, nominal.fastest))
-    moved = centreline.by_viscosities(fitted) * [FORCE_PART * one.discrepancy for one in model.own.forms]
+    moved = centreline.by_viscosities(fitted) * [
+        0.0 if one is None else FORCE_PART * one.discrepancy for one in model.own.forms
+    ]
     return np.asarray((moved[..., None] * shapes[:, None, None, :]).reshape(*moved.shape[:2], -1))
 
 

@@ -65,7 +65,8 @@ class FormVerdict(Struct, frozen=True, eq=False):
 def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
     """Judge the forms of coefficients that follow the speed (Kennedy and O'Hagan 2001; Harville 1977).
 
-    Where the data show deviations the forms are refused. Where they cannot show them, because the problem is badly
+    Where the data show deviations the forms are refused; beside films, whose own sharper deviations look like that, small ones
+    widen the covariance. Where they cannot show them, because the problem is badly
     conditioned, deviations of a size that must be reckoned with widen the covariance; coefficients that the form alone
     determines become not estimable by that.
 
@@ -80,6 +81,10 @@ def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condit
     """
     deviations = _deviations(problem, found)
     size, evidence = deviations.likeliest()
+    if evidence > SIGNIFICANT and size <= CONFIRMED_SIZE and _with_own_deviations(problem):
+        told = f"coefficients deviate by {100 * size:.2g} % over speed from the document's forms"
+        remark = f"; {told}, beside oil films that deviate themselves: intervals are widened"
+        return FormVerdict(deviations.widened(covariance, MARGIN * size), remark=remark)
     if evidence > SIGNIFICANT:
         ratio = f"twice the logarithm of the likelihood ratio {evidence:.3g}; {SIGNIFICANT:g} at most is noise"
         words = (

@@ -43,9 +43,9 @@ def read_centreline(
         **head(one, units),
         speed=units.speeds(speed),
         bearings=[
-            schemas.JournalLine(bearing=bearing.id, clearance_um=float(clearance / METRES["um"]), **_axes(place))
+            schemas.JournalLine(bearing=bearing, clearance_um=float(clearance / METRES["um"]), **_axes(place))
             for bearing, clearance, place in zip(
-                one.machine.bearings, modelled.clearance, modelled.position.swapaxes(0, 1), strict=True
+                modelled.bearings, modelled.clearance, modelled.position.swapaxes(0, 1), strict=True
             )
         ],
         measured=[
@@ -53,8 +53,8 @@ def read_centreline(
                 run=run,
                 speed=units.speeds(at),
                 bearings=[
-                    schemas.MeasuredLine(bearing=bearing.id, **_axes(place))
-                    for bearing, place in zip(one.machine.bearings, lines.swapaxes(0, 1), strict=True)
+                    schemas.MeasuredLine(bearing=bearing, **_axes(place))
+                    for bearing, place in zip(modelled.bearings, lines.swapaxes(0, 1), strict=True)
                     if np.isfinite(place).any()
                 ],
             )

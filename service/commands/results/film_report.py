@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,11 @@ import numpy as np
 from estimator.alignment.stability_margin import LEAST_DECREMENT, stability_margin
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
-from estimator.machine.film_speeds import reported_rpm
+from estimator.machine.film_speeds import follows_films, reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_stability import LeastDampedWhirl, least_damped_whirl, whirl_onset
-from estimator.statics.solved_films import most_loaded_words
+from estimator.statics.first_touch import first_touch_words
+from estimator.statics.journal_bearing import JournalBearing
 from estimator.statics.whirl_in_range import touching_words, whirl_words
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.film_results import film_results
@@ -25,22 +26,22 @@ MEGAPASCAL = 1e6
 
 
 def has_films(machine: Machine) -> bool:
-    """Return whether every bearing of a document says what its film is."""
-    return all(bearing.film is not None for bearing in machine.bearings)
+    """Return whether every bearing of a document says what its film is, or coefficients of one at least follow from its."""
+    return follows_films(machine) or all(bearing.film is not None for bearing in machine.bearings)
 
 
 @dataclass(frozen=True)
 class JournalState:
-    """State of one journal in its film, in SI units.
+    """State of one journal in its bearing, in SI units; of a bearing that is no film, what is of films is None.
 
     Attributes:
         bearing: Id of its bearing.
         load_x: Force of the film along x [N].
         load_y: Force along y [N].
+        journal_x: Place along x, of no film from where it stands aligned [m].
+        journal_y: Place along y, likewise [m].
         specific_pressure: Load over diameter times length [Pa].
         eccentricity: Distance from the bearing's centre over the clearance [-].
-        journal_x: Place along x [m].
-        journal_y: Place along y [m].
         thinnest_film: Least thickness of the film [m].
         sommerfeld: Sommerfeld number [-].
         lifted: Whether something else lifts it at this speed, so that the film's model does not hold.
@@ -49,13 +50,13 @@ class JournalState:
     bearing: str
     load_x: float
     load_y: float
-    specific_pressure: float
-    eccentricity: float
     journal_x: float
     journal_y: float
-    thinnest_film: float
-    sommerfeld: float
-    lifted: bool
+    specific_pressure: float | None = None
+    eccentricity: float | None = None
+    thinnest_film: float | None = None
+    sommerfeld: float | None = None
+    lifted: bool = False
 
 
 def film_content(machine: Machine, *, service_rpm: float) -> dict[str, Any]:
@@ -134,7 +135,7 @@ def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[
         if not found:
             yield (
                 f"  at {rpm:g} r/min: no equilibrium with films of at least a twentieth of the clearance; the journals touch: "
-                f"{most_loaded_words(train)}"
+                f"{first_touch_words(train, rpm_to_rad_per_s(rpm))}"
             )
             continue
         if len(found) > 1:
@@ -152,37 +153,49 @@ def _equilibria(machine: Machine, train: FilmTrain, service_rpm: float) -> Itera
 def journal_states(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[JournalState]:
     """Yield the state of each journal in one equilibrium."""
     for bearing, journal, place, force in zip(machine.bearings, train.bearings, found.position, found.force, strict=True):
+        state = JournalState(bearing.id, float(force[0]), float(force[1]), float(place[0]), float(place[1]))
+        if not isinstance(journal, JournalBearing):
+            yield state
+            continue
         below = rad_per_s_to_rpm(found.speed) < journal.described.valid_above_rpm
         load = float(np.hypot(*force))
         pressure = load / (journal.described.diameter * journal.described.length)
         turns = found.speed / (2 * math.pi)
         viscous = float(journal.oil.at(found.speed)) * turns * (journal.radius / journal.clearance) ** 2
         number = viscous / pressure if pressure > 0.0 else math.inf
-        yield JournalState(
-            bearing.id,
-            float(force[0]),
-            float(force[1]),
-            pressure,
-            float(np.hypot(*place)) / journal.clearance,
-            float(place[0]),
-            float(place[1]),
-            float(journal.thinnest(place)),
-            number,
-            below,
+        yield replace(
+            state,
+            specific_pressure=pressure,
+            eccentricity=float(np.hypot(*place)) / journal.clearance,
+            thinnest_film=float(journal.thinnest(place)),
+            sommerfeld=number,
+            lifted=below,
         )
 
 
 def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[str]:
     for one in journal_states(machine, train, found):
+        pressure, thinnest = _scaled(one.specific_pressure, 1.0 / MEGAPASCAL), _scaled(one.thinnest_film, 1e6)
         yield (
-            f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {one.specific_pressure / MEGAPASCAL:7.3f} "
-            f"{one.eccentricity:6.3f} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
-            f"{1e6 * one.thinnest_film:7.1f} {one.sommerfeld:8.3f}{_remark(one)}"
+            f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {_column(pressure, '7.3f')} "
+            f"{_column(one.eccentricity, '6.3f')} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
+            f"{_column(thinnest, '7.1f')} {_column(one.sommerfeld, '8.3f')}{_remark(one)}"
         )
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else value * factor
+
+
+def _column(value: float | None, width: str) -> str:
+    """Return a number in its column; a dash of what the bearing does not have."""
+    return f"{'-':>{width.partition('.')[0]}}" if value is None else f"{value:{width}}"
 
 
 def _remark(one: JournalState) -> str:
     """Return what is unusual about a journal's state, behind its numbers."""
+    if one.eccentricity is None:
+        return "  coefficients of its own; position from where it stands aligned"
     if one.lifted:
         return "  lifted by other means here"
     return "  pressed upwards" if one.load_y < 0.0 and abs(one.load_y) > abs(one.load_x) else ""

@@ -8,9 +8,12 @@ import pytest
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation, stated_variation
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import parse_machine
+from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
 from tests.estimator.models import rich_model
 from tests.estimator.statics.films import motor_compressor_document
+from tests.film_plant.documents import film_document
+from tests.film_plant.plants import mixed_plant
 
 STATED = HealthyVariation()
 
@@ -64,6 +67,23 @@ def test_oil_goes_together_and_elevations_grow_over_the_seasons() -> None:
     lifted = place("bearing.B2.elevation_y")
     assert np.sqrt(season[lifted, lifted]) * COORDINATES.unit[lifted] == pytest.approx(STATED.slow_elevation)
     assert season[place("bearing.B1.clearance"), first] == 0.0
+
+
+def test_coefficients_of_bearings_beside_films_vary_as_those_of_couplings() -> None:
+    table, rolling = (updated_models_of_mixed(seed) for seed in (1, 0))
+    for model, kyy, cyy in (
+        (table, "bearing.B1.kyy_scale", "bearing.B1.cyy_scale"),
+        (rolling, "bearing.B1.kyy", "bearing.B1.cyy"),
+    ):
+        scales = coordinate_scales(model.coordinates_at(np.ones(1)), model.values)
+        names = list(model.coordinates)
+        assert (scales.numbers[names.index(kyy)], scales.numbers[names.index(cyy)]) == ("stiffness", "damping")
+        assert scales.numbers[names.index("bearing.B2.elevation_y")] == "elevation"
+
+
+def updated_models_of_mixed(seed: int) -> UpdatedModel:
+    """The model, as believed, of a train of which one shaft runs on films."""
+    return expected_model(parse_machine(film_document(mixed_plant(seed))))
 
 
 def test_where_the_temperature_is_measured_the_season_is_known() -> None:

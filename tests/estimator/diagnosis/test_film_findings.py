@@ -61,6 +61,14 @@ def test_a_shaft_on_two_bearings_at_the_end_of_a_train_has_no_settlement_of_its_
     assert len(list(settlements(columns_of(three)))) == 3
 
 
+def test_only_bearings_on_films_wear() -> None:
+    columns = columns_of(TWO_SHAFTS)
+    assert [one.element for one in wears(columns)] == ["bearing.B1", "bearing.B2", "bearing.B3", "bearing.B4"]
+    of_films = [name for name in columns.names if "elevation" in name or not name.startswith("bearing.B1.")]
+    beside = ChangeColumns(TWO_SHAFTS, columns.unknowns, of_films, typical=np.zeros(len(of_films)), amplitude={})
+    assert [one.element for one in wears(beside)] == ["bearing.B2", "bearing.B3", "bearing.B4"]
+
+
 def test_misalignment_moves_elevations_alone() -> None:
     columns = columns_of(TWO_SHAFTS)
     (found,) = moved_alignments(columns)

@@ -55,7 +55,7 @@ def lobed_model(**more: Any) -> FilmModel:
     film = Film(three_lobe(preload=0.4), 0.5, table=coarse_table)
     lobed = {"profile": "three_lobe", "preload": 0.4}
     bearings = tuple(
-        replace(one, film=film, described=one.described.model_copy(update=lobed)) for one in model.own.train.bearings
+        replace(one, film=film, described=one.described.model_copy(update=lobed)) for one in model.own.train.journals.values()
     )
     train = replace(model.own.train, bearings=bearings)
     return replace(model, own=replace(model.own, train=train), nominal=replace(model.nominal, train=train))
@@ -151,7 +151,7 @@ def test_derivatives_of_warmed_oils_and_of_one_supply_are_those_of_differences()
         np.testing.assert_allclose(found[:, :, place] / size, difference / size, atol=2e-4)
     thick = model.own.changed(np.where(np.array(names) == shared[0], 0.1, [one.centre for one in model.numbers]))
     for number, factor in enumerate((np.exp(0.1), np.exp(0.1), 1.0, 1.0)):
-        assert thick.bearings[number].oil.value == pytest.approx(factor * model.own.train.bearings[number].oil.value)
+        assert thick.journals[number].oil.value == pytest.approx(factor * model.own.train.journals[number].oil.value)
 
 
 @pytest.mark.parametrize("discrepancy", [0.0, 0.05])
@@ -234,14 +234,13 @@ def test_films_of_a_fit_may_be_thinner_than_the_documents() -> None:
 
 def thinnest(model: FilmModel, position: Floats) -> float:
     """The thinnest film of the journals at positions (n, 2) [m], in clearances of the document."""
-    pairs = zip(model.nominal.train.bearings, position, strict=True)
+    pairs = zip(model.nominal.train.journals.values(), position, strict=True)
     return min(one.thinnest(place) / one.clearance for one, place in pairs)
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda said: said["bearings"][1].pop("speed_dependence"), "loads on films follow from the whole train's statics"),
         (lambda said: said["bearings"][2].pop("film"), "needs the bearing's film"),
         (lambda said: said["couplings"][0].update(speed_dependence={"form": "journal"}), "of bearings with a film only"),
         (lambda said: said["bearings"][0]["speed_dependence"].update(elevation_spread=30.0), "elevation_spread"),

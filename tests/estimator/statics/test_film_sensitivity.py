@@ -21,7 +21,7 @@ def changed(train: FilmTrain, number: int, name: str, step: float) -> FilmTrain:
         elevation[number, "xy".index(name[-1])] += step
         return replace(train, elevation=elevation)
     bearings = list(train.bearings)
-    one = bearings[number]
+    one = train.journals[number]
     if name == "viscosity":
         bearings[number] = replace(one, oil=one.oil.changed(factor=float(np.exp(step)), slope=0.0))
     else:

@@ -59,8 +59,17 @@ def test_films_that_do_not_carry_are_said_with_the_bearing_that_carries_most() -
     said["static_loads"] = [{"id": "gear", "shaft": "S2", "station": 1.46, "force_y": -2.0e6}]
     words = touching_words(parse_machine(said))
     assert "r/min a journal would be within a twentieth of the clearance" in words
-    assert "on bearing 'B4' at rest are" in words
+    assert "on bearing 'B4', whose journal touches first, at rest are" in words
     assert touching_words(parse_machine(document("thesis-chapter-3"))) == ""
+
+
+def test_the_bearing_that_touches_first_is_named_and_not_that_of_the_highest_pressure() -> None:
+    """A thin oil lets the less loaded journal down."""
+    said = document("motor-compressor")
+    said["speed_range"]["minimum_rpm"] = 100
+    said["bearings"][2]["film"]["oil"]["viscosity"] = 0.001
+    words = touching_words(parse_machine(said))
+    assert "on bearing 'B3', whose journal touches first, at rest are" in words
 
 
 @pytest.mark.parametrize("rpm", [4600.0, 5000.0])

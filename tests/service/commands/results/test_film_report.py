@@ -29,7 +29,7 @@ def with_force(force_y: float) -> Machine:
 
 def test_a_train_whose_journals_touch_is_not_said_to_be_stable() -> None:
     said = film_text(with_force(-2.0e6), service_rpm=3000.0)
-    assert "the journals touch: 2e+06 N on bearing 'B1' at rest are" in said
+    assert "the journals touch: 2e+06 N on bearing 'B1', whose journal touches first, at rest are" in said
     assert "without an equilibrium at 3000 r/min" in said
     assert "would not whirl" not in said
 
