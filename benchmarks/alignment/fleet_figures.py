@@ -5,7 +5,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.alignment.film_fleet import FleetRecord, record_name, record_of
-from benchmarks.alignment.film_histories import HAPPENINGS, LONGEST_BASELINE, RUN_OUTS, WEEKS_A_YEAR, FilmHistory, Happening
+from benchmarks.alignment.film_histories import (
+    HAPPENINGS,
+    LONGEST_BASELINE,
+    RUN_OUTS,
+    STEPS,
+    WEEKS_A_YEAR,
+    FilmHistory,
+    Happening,
+)
 from benchmarks.fleet.report import part_interval, rate_bound
 from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.kept_outcomes import is_kept
@@ -38,6 +46,8 @@ NOTHING_MOVED = 0.125
 FALSE_RATE, DISTURBED_RATE, ALL_RATE = 0.044, 0.098, 0.2
 """False misalignment alerts a machine-year of healthy and of disturbed machines (upper ends of intervals), and false alerts of
 any kind of healthy ones [1/year]."""
+WHOLE_STEP = 0.9
+"""Part of a step that is left, beside the growth of pedestals since the baseline, where it counts as a whole one [-]."""
 NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
 
@@ -59,7 +69,11 @@ def fleet_figures(kind: CouplingKind, machines: int, *, weeks: int, kept_only: b
     if not every:
         return
     yield from _beside(kind, every)
-    yield from (_named(named, found[named], soon) for named, soon in SOON.items() if found[named])
+    for named, soon in SOON.items():
+        if found[named]:
+            yield _named(named, found[named], soon)
+        if named == "step":
+            yield from _whole_steps(kind, found[named])
     yield _sizes([*found["step"], *found["beyond"]])
     yield from _alarms(found["beyond"], found["within"])
     yield from _false(found)
@@ -95,6 +109,14 @@ def _named(happening: Happening, records: Sequence[FleetRecord], soon: int) -> R
     kept = high >= asked  # of few machines no more can be said
     measured = f"{sum(right)} of {len(right)} ({low:.0%}-{high:.0%})"
     return ReportLine(f"    {happening}: named within {soon} runs", f">= {asked:.0%}", measured, kept)
+
+
+def _whole_steps(kind: CouplingKind, records: Sequence[FleetRecord]) -> Iterator[ReportLine]:
+    """Yield how many steps are named of those that the growth of pedestals since the baseline has not made smaller."""
+    whole = [one for one in records if abs(one.true_um) >= WHOLE_STEP * 1e6 * STEPS[kind]]
+    if whole:
+        said = f"{sum(_is_named(one, SOON['step']) for one in whole)} of {len(whole)}"
+        yield ReportLine("        where pedestals have not grown against it", "", said, True)
 
 
 def _is_named(one: FleetRecord, soon: int) -> bool:
@@ -134,6 +156,8 @@ def _false(found: dict[Happening, list[FleetRecord]]) -> Iterator[ReportLine]:
     healthy = found["healthy"]
     disturbed = [one for name in ("wear", "unbalance", "gain", "pedestal") for one in found[name]]
     for what, records, asked in (("healthy", healthy, FALSE_RATE), ("disturbed", disturbed, DISTURBED_RATE)):
+        if not records:
+            continue
         years = sum(one.weeks - one.baseline for one in records) / WEEKS_A_YEAR
         wrong = sum(_is_false(one, alert.week) for one in records for alert in one.opened if alert.rule == "misalignment")
         bound = rate_bound(wrong, years)
@@ -143,6 +167,8 @@ def _false(found: dict[Happening, list[FleetRecord]]) -> Iterator[ReportLine]:
             f"{wrong} in {years:.1f}: {bound:.2f}",
             wrong == 0,  # of few machine-years the bound cannot be as low as asked
         )
+    if not healthy:
+        return
     years = sum(one.weeks - one.baseline for one in healthy) / WEEKS_A_YEAR
     others = sum(alert.rule != "misalignment" or _is_false(one, alert.week) for one in healthy for alert in one.opened)
     rate = others / max(years, 1e-9)

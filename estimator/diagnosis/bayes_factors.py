@@ -5,7 +5,7 @@ that may besides have varied with the season (`healthy_variation`), and changed.
 size; its evidence is the logarithm of the factor by which the window is more probable with it than without (Kass and Raftery,
 J. Am. Stat. Assoc. 90 (1995) 773, doi:10.1080/01621459.1995.10476572), in closed form, as everything is Gaussian. The
 strongest is taken first; more is added as long as the evidence for it is strong, so that an unbalance and a misalignment are
-both named.
+both named. Where beginning with another of the strongest leads to causes that are far more probable together, those are taken.
 """
 
 import math
@@ -37,6 +37,8 @@ stands for months must not hide a misalignment.
 """
 MAXIMUM_CAUSES = 4
 """Most causes at once that are told apart."""
+BEGINNINGS = 4
+"""Number of single causes, the strongest, from each of which causes are chosen."""
 LARGEST_STEPS = 10
 """Most steps in which causes are added and taken back."""
 RUNNERS_UP = 3
@@ -202,10 +204,36 @@ def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
 
 
 def _chosen(deviation: "Deviation") -> list[Hypothesis]:
-    """Choose the hypotheses that explain a deviation: one after another, as long as the evidence for the next is strong."""
-    chosen: list[Hypothesis] = []
-    least = STRONG
-    for _ in range(LARGEST_STEPS):
+    """Choose the hypotheses that explain a deviation, from the strongest one on or from another where that is far better.
+
+    A cause with many freedoms, such as all deviations of a film, may explain most of two others at once and hide them: so do
+    those of the bearing that is worn beside a coupling that has moved. Each of the strongest is a beginning.
+    """
+    beginnings = sorted(deviation.baseline.hypotheses, key=deviation.evidence, reverse=True)[:BEGINNINGS]
+    strong = [one for one in beginnings if deviation.evidence(one) >= STRONG]
+    if not strong:
+        return []
+    chosen = _chosen_from(deviation, strong[0])
+    together = _evidence_together(deviation, chosen)
+    for one in strong[1:]:
+        others = [] if one in chosen else _chosen_from(deviation, one)
+        found = _evidence_together(deviation, others)
+        asked = max(STRONG, FURTHER_CAUSE_PART * together) * max(1, len(others) - len(chosen))
+        if found - together > asked:
+            chosen, together = others, found
+    return chosen
+
+
+def _evidence_together(deviation: "Deviation", causes: Sequence[Hypothesis]) -> float:
+    """Return the evidence of several causes together: that of each beside those before it (chain rule)."""
+    return sum(deviation.allowing_for(causes[:place]).evidence(one) for place, one in enumerate(causes))
+
+
+def _chosen_from(deviation: "Deviation", first: Hypothesis) -> list[Hypothesis]:
+    """Choose hypotheses from one on: one after another, as long as the evidence for the next is strong."""
+    chosen = [first]
+    least = max(STRONG, _required_evidence(first, deviation.evidence(first)))
+    for _ in range(LARGEST_STEPS - 1):
         within = deviation.allowing_for(chosen)
         left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_subset(one, chosen)]
         if not left or len(chosen) == MAXIMUM_CAUSES:

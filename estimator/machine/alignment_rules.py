@@ -1,8 +1,10 @@
 """Rules on the alignment of trains on oil films: what is allowed at couplings and aimed at, how healthy machines vary."""
 
-from typing import Annotated, Self
+import math
+from functools import partial
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from estimator.field_types import Identifier, Part, Spread, Within
 
@@ -10,6 +12,21 @@ LARGEST_OFFSET = 0.01
 """Largest offset that a document may allow [m]; more was meant in µm or mm."""
 LARGEST_ANGLE = 0.05
 """Largest angle that a document may allow [rad]; more was meant in µrad or mrad."""
+LARGEST_IN_THOUSANDTHS = 5.0
+"""Largest number that was probably meant in mm or mrad, and not in µm or µrad."""
+
+
+def _of_unit(value: Any, *, unit: str, largest: float) -> Any:
+    """Return an offset or angle that is at most the largest; of a larger one ask whether it is in mm or µm, mrad or µrad."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not largest < abs(value) < math.inf:
+        return value
+    prefix, factor = ("m", 1e-3) if abs(value) <= LARGEST_IN_THOUSANDTHS else ("µ", 1e-6)
+    meant = f"was {value:g} {prefix}{unit} meant, {factor * value:g}?"
+    raise ValueError(f"{value:g} {unit} is more than {largest:g} {unit}: {meant}")
+
+
+IN_METRES = BeforeValidator(partial(_of_unit, unit="m", largest=LARGEST_OFFSET))
+IN_RADIANS = BeforeValidator(partial(_of_unit, unit="rad", largest=LARGEST_ANGLE))
 
 VariedElevation = Annotated[float, Within(ge=0, le=1e-3)]
 """Standard deviation of an elevation of a healthy machine [m]; more was meant in µm."""
@@ -19,8 +36,8 @@ class AlignmentTolerance(Part):
     """Tolerance at one coupling, in either plane; in place of the usual values over speed."""
 
     coupling: Identifier
-    offset: Annotated[float, Within(gt=0, le=LARGEST_OFFSET)] | None = Field(default=None, description="[m]")
-    angle: Annotated[float, Within(gt=0, le=LARGEST_ANGLE)] | None = Field(default=None, description="[rad]")
+    offset: Annotated[float, Within(gt=0, le=LARGEST_OFFSET), IN_METRES] | None = Field(default=None, description="[m]")
+    angle: Annotated[float, Within(gt=0, le=LARGEST_ANGLE), IN_RADIANS] | None = Field(default=None, description="[rad]")
 
     @model_validator(mode="after")
     def _require_content(self) -> Self:
@@ -29,9 +46,9 @@ class AlignmentTolerance(Part):
         return self
 
 
-Offset = Annotated[float, Within(ge=-LARGEST_OFFSET, le=LARGEST_OFFSET)]
+Offset = Annotated[float, Within(ge=-LARGEST_OFFSET, le=LARGEST_OFFSET), IN_METRES]
 """Offset of a coupling [m]."""
-Turn = Annotated[float, Within(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
+Turn = Annotated[float, Within(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE), IN_RADIANS]
 """Angle of a coupling [rad]."""
 
 

@@ -12,8 +12,9 @@ from estimator.machine.parts import Bearing
 
 FAR = 40.0
 """Largest difference of an oil's temperature from the stated one that a run may well have [K]: seasons bring 10."""
-NEAR = 12.0
-"""Largest difference [K] between the stated temperature and a reading converted from °F at which °F is assumed."""
+COLDER, WARMER = 20.0, 12.0
+"""Largest differences [K] by which a reading converted from °F may lie below and above the stated temperature for °F to be
+assumed: oil is colder than usual in winter and after a standstill."""
 
 LEAST_FACTOR = 1e-3
 """Least spread of a force, relative to its full spread [-]: it holds where the force itself is zero."""
@@ -88,7 +89,7 @@ def require_celsius(machine: Machine, conditions: Mapping[str, float | None]) ->
         if oil is None or stated is None or sent is None:
             continue
         celsius = (sent - 32.0) / 1.8
-        if sent - stated > FAR and abs(celsius - stated) < NEAR:
+        if sent - stated > FAR and -COLDER < celsius - stated < WARMER:
             raise ConditionImpossible(
                 f"operating condition '{oil.temperature_from}' is {sent:.4g}, where the document states {stated:.4g} °C for "
                 f"the oil of bearing {bearing.id}: were °F sent ({celsius:.0f} °C)? It must come in °C"

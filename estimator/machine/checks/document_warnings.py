@@ -26,6 +26,8 @@ USUAL_VISCOSITY = (0.002, 0.2)
 """Usual dynamic viscosity of the oil in a film: others are warned of [Pa s]."""
 LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
 """Lateral and angular stiffness of a coupling below which a warning asks whether the unit is right [N/m, N m/rad]."""
+USUAL_TOLERANCES = {"offset": (5e-6, 1e-3, "m", "3e-05 to 0.0002"), "angle": (2e-5, 5e-3, "rad", "0.0003 to 0.0013")}
+"""Least and largest tolerance of a coupling that is not warned of, its unit, and what is usual."""
 
 HEAVIEST_DISC = 50.0
 """Mass of a disc over that of its shaft above which a warning asks whether its unit is right [-]: examples have 0.5 to 3."""
@@ -76,6 +78,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         *_odd_films(machine),
         *_far_elevations(machine),
         *_far_targets(machine),
+        *_odd_tolerances(machine),
         *_soft_couplings(machine),
     )
 
@@ -123,6 +126,18 @@ def _far_targets(machine: Machine) -> Iterator[DocumentWarning]:
                     f"{_micrometres(cold)}{grown} is more than the radial clearance, {_micrometres(widest)}: "
                     "usual are some 10 µm",
                 )
+
+
+def _odd_tolerances(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield tolerances so tight that healthy machines pass them, or so wide that nothing is told before it breaks."""
+    for number, tolerance in enumerate(machine.operation.alignment_tolerances):
+        for name, (least, largest, unit, usual) in USUAL_TOLERANCES.items():
+            allowed = getattr(tolerance, name)
+            if allowed is None or least <= allowed <= largest:
+                continue
+            then = "growth from cold to hot alone passes it" if allowed < least else "no alarm would come in time"
+            words = f"{allowed:g} {unit}: {then}; usual is {usual} {unit}"
+            yield DocumentWarning(f"operation.alignment_tolerances[{number}].{name}", words)
 
 
 def _micrometres(length: float) -> str:

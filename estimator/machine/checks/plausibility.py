@@ -17,6 +17,8 @@ LARGEST_VISCOSITY = 2.0
 """Largest viscosity of an oil film [Pa s]: three times that of the thickest grade at 40 °C."""
 LARGEST_ELEVATION, LARGEST_IN_MILLIMETRES = 0.01, 1.0
 """Largest elevation of a bearing over its aligned place, and largest number that is one in mm and not in µm [m]."""
+SMALLEST_TOLERANCE = 1e-6
+"""Smallest tolerance of a coupling's offset [m], and of its angle [rad]: what is left of none would be passed by every run."""
 SLENDERNESS = (0.05, 20.0)
 """Least and largest length over diameter of a journal bearing [-]."""
 
@@ -50,6 +52,12 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
     for i, bearing in enumerate(machine.bearings):
         if bearing.film is not None:
             yield from ((f"bearings[{i}].film.{field}", message) for field, message in _of_film(bearing.film))
+    for i, tolerance in enumerate(machine.operation.alignment_tolerances):
+        for name, unit, usual in (("offset", "m", "3e-05 to 0.0002"), ("angle", "rad", "0.0003 to 0.0013")):
+            allowed = getattr(tolerance, name)
+            if allowed is not None and allowed < SMALLEST_TOLERANCE:
+                message = f"{allowed:g} {unit}: no coupling stays aligned within less than 1 µ{unit}; usual is {usual} {unit}"
+                yield f"operation.alignment_tolerances[{i}].{name}", message
 
 
 def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:

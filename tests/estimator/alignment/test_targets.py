@@ -51,8 +51,8 @@ def test_what_is_not_determined_is_not_beyond_anything() -> None:
     ("target", "message"),
     [
         ({"coupling": "C1", "left_cold": {}}, "neither an offset"),
-        ({"coupling": "C1", "left_cold": {"offset_vertical": -120.0}}, "greater than or equal to -0.01"),
-        ({"coupling": "C1", "left_cold": {"angle_vertical": 0.3}}, "less than or equal to 0.05"),
+        ({"coupling": "C1", "left_cold": {"offset_vertical": -120.0}}, "was -120 µm meant, -0.00012\\?"),
+        ({"coupling": "C1", "left_cold": {"angle_vertical": 0.3}}, "was 0.3 mrad meant, 0.0003\\?"),
         (TARGET | {"growth": {"offset_horizontal": 1e-5}}, "left_cold does not say where it begins"),
         (TARGET | {"coupling": "C7"}, "'C7' is not one of the couplings: C1"),
         ({"coupling": "C1"}, "left_cold"),

@@ -9,6 +9,8 @@ from pydantic import ValidationError
 from estimator.alignment.alignment_change import AlignmentChange
 from estimator.alignment.tolerance import allowed_alignment, tolerated_changes
 from estimator.errors import Invalid
+from estimator.machine.checks.document_warnings import document_warnings
+from estimator.machine.checks.plausibility import implausible_values
 from estimator.machine.document import Machine, parse_machine
 from tests.estimator.statics.films import motor_compressor_document
 
@@ -64,7 +66,10 @@ def test_what_is_not_determined_is_beyond_nothing() -> None:
     [
         ({"coupling": "C1", "offset": 0}, "alignment_tolerances", "greater than 0"),
         ({"coupling": "C1", "angle": -1e-4}, "alignment_tolerances", "greater than 0"),
-        ({"coupling": "C1", "offset": 50}, "alignment_tolerances", "less than or equal to 0.01"),
+        ({"coupling": "C1", "offset": 50}, "alignment_tolerances", "was 50 µm meant, 5e-05?"),
+        ({"coupling": "C1", "offset": 0.05}, "alignment_tolerances", "was 0.05 mm meant, 5e-05?"),
+        ({"coupling": "C1", "angle": 300}, "alignment_tolerances", "was 300 µrad meant, 0.0003?"),
+        ({"coupling": "C1", "angle": math.inf}, "alignment_tolerances", "finite"),
         ({"coupling": "C1"}, "alignment_tolerances", "neither offset"),
         ({"coupling": "C7", "offset": 5e-5}, "alignment_tolerances", "'C7' is not one of the couplings: C1"),
     ],
@@ -74,3 +79,24 @@ def test_tolerances_that_mean_nothing_are_refused(tolerance: dict[str, Any], whe
         machine(3000, alignment_tolerances=[tolerance])
     assert where in str(refused.value)
     assert what in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "refused", "warned"),
+    [
+        ({"coupling": "C1", "offset": 1e-9}, "offset: 1e-09 m: no coupling stays aligned within less than 1 µm", ""),
+        ({"coupling": "C1", "angle": 1e-8}, "angle: 1e-08 rad: no coupling stays aligned within less than 1 µrad", ""),
+        ({"coupling": "C1", "offset": 2e-6}, "", "offset: 2e-06 m: growth from cold to hot alone passes it"),
+        ({"coupling": "C1", "offset": 5e-3}, "", "offset: 0.005 m: no alarm would come in time"),
+        ({"coupling": "C1", "offset": 5e-5, "angle": 4e-4}, "", ""),
+    ],
+)
+def test_tolerances_that_are_hardly_meant(tolerance: dict[str, Any], refused: str, warned: str) -> None:
+    train = machine(3000, alignment_tolerances=[tolerance])
+    where = "operation.alignment_tolerances[0]."
+    odd = "\n".join(f"{field}: {words}" for field, words in implausible_values(train) if field.startswith(where))
+    said = "\n".join(str(one) for one in document_warnings(train) if one.field.startswith(where))
+    assert odd.startswith(where + refused if refused else "")
+    assert bool(odd) == bool(refused)
+    assert said.startswith(where + warned if warned else "")
+    assert bool(said) == bool(warned or refused)

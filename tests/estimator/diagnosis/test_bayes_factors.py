@@ -71,6 +71,26 @@ def test_a_softer_pedestal_hides_no_misalignment(*, fitted: bool, kinds: list[st
     assert 4.0 < found.evidence["misalignment", "coupling.C1"] < 0.05 * found.evidence["pedestal", "pedestal.P1"]
 
 
+def test_one_cause_with_many_freedoms_hides_no_two_that_explain_more() -> None:
+    """As the deviations of a worn bearing's film do beside a coupling that has moved: they explain most of both."""
+    free, nothing = np.zeros((0, 7)), np.zeros((7, 0))
+    film = Hypothesis("bearing", "bearing.B2", (5.0 * np.eye(7)[:, :6],), free)
+    wear = Hypothesis("wear", "bearing.B2", (np.array([[4.0, 1.0, 2.0, 0.0, 0.0, 0.0, 4.0]]).T,), free)
+    moved = Hypothesis("misalignment", "coupling.C1", (np.array([[1.0, 4.0, 0.0, 2.0, 0.0, 0.0, -4.0]]).T,), free)
+    names = (*(f"films.B2.deviation_{number}" for number in range(6)), "bearing.B2.elevation_y")
+    every = (film, wear, moved)
+    healthy = Reference(names, np.zeros(7), np.ones(7), np.zeros(7), 1e-6 * np.eye(7), every, nothing, nothing)
+    (seen,) = plant.healthy(1)
+    run = replace(seen, names=names, coordinates=7, gradient=np.zeros(7), information=1e6 * np.eye(7))
+
+    def kinds(change: list[float]) -> set[str]:
+        return {one.kind for one in diagnose(healthy, [replace(run, reference=np.array(change))]).causes}
+
+    assert kinds([7.5, 7.5, 3.0, 3.0, 0.0, 0.0, 0.0]) == {"wear", "misalignment"}
+    assert kinds([7.5, -7.5, 3.0, -3.0, 0.0, 0.0, 0.0]) == {"bearing"}
+    assert kinds([8.0, 2.0, 4.0, 0.0, 0.0, 0.0, 8.0]) == {"wear"}
+
+
 def test_what_a_cause_has_moved_and_by_how_much() -> None:
     found = diagnose(plant.watch().reference, plant.after(plant.grown({}, {1: 1.5}), count=3))
     (cause,) = found.causes
