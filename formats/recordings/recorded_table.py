@@ -89,6 +89,11 @@ def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:
     return [(reader.line_num, row) for row in reader]
 
 
+def _is_of(column: str, name: str) -> bool:
+    """Return whether a column's long name may stand for a short one: both begin or end alike."""
+    return column.endswith(name) or column.startswith(name.partition(".")[0])
+
+
 def _measured_table(path: Path) -> RecordedTable:
     """Return the table of a measuring system's file, of the columns that have the most usual length. Raises UnreadableFile."""
     try:
@@ -108,7 +113,7 @@ def _measured_table(path: Path) -> RecordedTable:
         if column.size != length
     }
     twice = {
-        name: f"is there more than once: name one of {', '.join(one for one in read.values if name in one)}"
+        name: f"is there more than once: name one of {', '.join(one for one in read.values if _is_of(one, name))}"
         for name in read.twice
     }
     cells = {name: ["" if np.isnan(one) else repr(float(one)) for one in column] for name, column in columns.items()}
