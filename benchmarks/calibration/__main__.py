@@ -2,9 +2,9 @@
 
 The measured rotor kit by its nameplate, calibrated anew without each fifth of its conditions, whose known unbalances are
 then estimated; beside it plain least squares in the same folds. Then from three runs only, simulated kits, also some whose
-gains change later, and the time of many sweeps; printed balancing cases, and influence coefficients on the kit. `--short`
-takes three splits and a few kits, and a minute. `--only PART` computes some parts alone. `--conventions` tries wrong
-conventions instead, for an hour or more.
+gains change later, sweeps with weights stated rightly and wrongly, and their time; printed balancing cases, and influence
+coefficients on the kit. `--short` takes three splits and a few kits, and a minute. `--only PART` computes some parts alone.
+`--conventions` tries wrong conventions instead, for an hour or more.
 
     python -m benchmarks.calibration [--short] [--only PART …] [--conventions]
 """
@@ -23,6 +23,7 @@ from benchmarks.calibration.rotor_kit import HeldOut, by_condition, by_least_squ
 from benchmarks.calibration.simulated_kit import after_a_gain_changed, later_changes
 from benchmarks.calibration.simulated_trains import TRAINS, train_lines
 from benchmarks.calibration.sweep_time import SECONDS_ASKED, seconds_of_sweeps
+from benchmarks.calibration.wrong_weights import wrong_weights
 from benchmarks.fluid_film.report_line import ReportLine
 
 SPLITS, BOTH_SPLITS, SHORT_SPLITS = 20, 5, 3
@@ -179,9 +180,10 @@ PARTS: dict[str, Callable[[bool], Iterator[ReportLine]]] = {
     "changed-gains": _changed_gains,
     "trains": _trains,
     "sweeps": _sweeps,
+    "wrong-weights": wrong_weights,
 }
 """Parts of the figures by name; each takes whether it shall be short."""
-LONG = ("changed-gains", "trains", "sweeps")
+LONG = ("changed-gains", "trains", "sweeps", "wrong-weights")
 """Parts that short figures leave out."""
 
 

@@ -10,10 +10,7 @@ SECONDS_ASKED = 10.0
 
 
 def seconds_of_sweeps(seed: int = 0) -> float:
-    """Return the processor time of a calibration of the motor-pump train, which has eight channels [s].
-
-    Mountings differ by a third of what the weights do: some seeds are refused for it, after as long a time.
-    """
+    """Return the processor time of a calibration of the motor-pump train, which has eight channels [s]."""
     plant = MountedTrain("motor-pump", seed)
     runs = plant.runs(RUNS, SPEEDS)
     began = time.process_time()

@@ -15,6 +15,7 @@ from estimator.calibration.exchanges import exchange_text, likely_exchanges, log
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
+from estimator.calibration.scatter_likelihood import with_scatter_slope
 from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
@@ -153,7 +154,7 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
 
     discs = [disc.id for disc in machine.discs]
     meant = explaining_units(discs, runs, fits) or explaining_senses(runs, fits) or _exchanged(machine, runs, seed)
-    return replace(found, verdict=f"{found.verdict.rstrip('.')}. {meant[0].upper()}{meant[1:]}") if meant else found
+    return replace(found, verdict=f"{found.verdict}; {meant}") if meant else found
 
 
 def _with_remark(found: Calibrated, remark: str) -> Calibrated:
@@ -231,7 +232,7 @@ def _settled(
     """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged."""
     converged, before = False, sizes
     for _ in range(PASSES):
-        now = scatter.applied(problem, sizes)
+        now = with_scatter_slope(scatter.applied(problem, sizes), theta)
         theta, converged, _ = descend(now, theta, now.weight(np.abs(now.measurement.phasor), 0.0), STEPS)
         before, sizes = sizes, scatter.estimated(now, theta, sizes)
         if sizes.is_near(before):

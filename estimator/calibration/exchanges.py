@@ -139,7 +139,7 @@ def exchange_text(better: Sequence[tuple[Exchange, float]], phasors: int) -> str
     shown = (
         f"over {MANY_TIMES:.0f}" if mean >= math.log(MANY_TIMES) else f"{math.exp(mean):.{0 if mean > math.log(10.0) else 1}f}"
     )
-    named = " or with ".join(one.words for one, gain in clear if gain >= largest - EQUALLY_WELL)
+    named = " or ".join(one.words for one, gain in clear if gain >= largest - EQUALLY_WELL)
     return f"the runs fit {shown} times better with {named} exchanged: are leads, discs and columns the right ones?"
 
 

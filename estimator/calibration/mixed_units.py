@@ -107,7 +107,7 @@ def explaining_units(
         return ""
     for given, meant in mixed.units:
         if accepted(mixed.undone(runs, given, meant)):
-            return f"It fits with {mixed.words}, which were given in {given}, in {meant}"
+            return f"it fits with {mixed.words}, which were given in {given}, in {meant}"
     return ""
 
 

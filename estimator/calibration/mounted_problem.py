@@ -76,10 +76,12 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
     Attributes:
         mounting: Mounting (S,) of each sample, ascending from 0.
         spread: Rms (P + m,) of the difference of each disc's unbalance [kg m] and of each channel's run-out [m].
+        slope: Derivative (n,) of what counts beside χ² as a straight line [-]; empty for nothing.
     """
 
     mounting: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     spread: Floats = field(default_factory=lambda: np.zeros(0))
+    slope: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def planes(self) -> int:
@@ -132,7 +134,8 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         chi_square = float(found.residual @ found.residual + np.sum(found.difference**2))
         curvature = found.rows @ found.rows.T
         curvature -= found.explained()
-        return chi_square, found.rows @ found.residual, curvature
+        slope = self._slope(theta)
+        return chi_square + float(slope @ theta), found.rows @ found.residual - slope / 2.0, curvature
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
         """Compute χ² at the most likely differences between mountings, with their cost.
@@ -150,7 +153,7 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         phasor, by_difference = self._effects(theta, self.scaled_train(theta))
         lowered = self._differences(phasor, by_difference, weight)[2]
         residual = (self.measurement.phasor - phasor) * weight
-        return float(np.vdot(residual, residual).real) - lowered
+        return float(np.vdot(residual, residual).real) - lowered + float(self._slope(theta) @ theta)
 
     def residual(self, theta: Floats, weight: Floats) -> tuple[Floats, Floats]:
         """Compute what is left at the most likely differences between mountings.
@@ -209,6 +212,9 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         pieces = [slice(first, last) for first, last in zip(edges, edges[1:], strict=False)]
         mixed = np.stack([whole[:, one] @ own[:, one].T for one in pieces])
         return MountedLinearisation(np.concatenate(residual, axis=-1), whole, own, mounting, inverse, mixed, difference)
+
+    def _slope(self, theta: Floats) -> Floats:
+        return self.slope if self.slope.size else np.zeros(theta.size)
 
     @property
     def _sizes(self) -> Floats:

@@ -32,7 +32,7 @@ def explaining_senses(runs: Sequence[CalibrationRun], accepted: Callable[[Sequen
     if all(run.measurement.added is None or np.isrealobj(np.real_if_close(run.measurement.added)) for run in runs):
         del senses[WEIGHTS]  # weights at 0° and 180° only have no sense
     right = [words for words, undone in senses.items() if accepted([_changed(run, undone) for run in runs])]
-    return f"It fits with {' or with '.join(right)}" if right else ""
+    return f"it fits with {' or with '.join(right)}" if right else ""
 
 
 def _changed(run: CalibrationRun, undone: Callable[[Measurement], Measurement]) -> CalibrationRun:

@@ -39,11 +39,16 @@ def _text(content: bytes) -> str:
     return content.decode("cp1252")
 
 
-def exported_rows(text: str) -> list[ExportedRow]:
-    """Return the rows below the header by their columns' names; none where no header stands above numbers."""
+def exported_rows(text: str) -> list[tuple[int, ExportedRow]]:
+    """Return the rows below the header by their columns' names, each with the number of its line.
+
+    There are none where no header stands above numbers.
+    """
     lines = text.splitlines()
     for separator in SEPARATORS:
-        table = [[cell.strip() for cell in cells] for cells in csv.reader(lines, delimiter=separator)]
+        reader = csv.reader(lines, delimiter=separator)
+        numbered = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+        table = [cells for _, cells in numbered]
         first = next((place for place, cells in enumerate(table[:LONGEST_HEAD]) if _has_numbers(cells, separator)), None)
         if not first:
             continue
@@ -54,8 +59,12 @@ def exported_rows(text: str) -> list[ExportedRow]:
             continue
         # Above a line of units some cells of which are blank.
         names = _named(next((cells for cells in table[head:first] if all(cells)), table[head]))
-        numbers = [cells for cells in table[first:] if any(cells)]
-        return [dict(zip(names, [*map(_decimal(separator), cells), *[None] * len(names)], strict=False)) for cells in numbers]
+        decimal, gap = _decimal(separator), [None] * len(names)
+        return [
+            (line, dict(zip(names, [*map(decimal, cells), *gap], strict=False)))
+            for line, cells in numbered[first:]
+            if any(cells)
+        ]
     return []
 
 

@@ -24,7 +24,7 @@ class MeasuredColumns(Struct, frozen=True, eq=False):
 
     values: values of each column. sampling_rate [Hz], start_ns [UTC, since 1970]: None where the file does not say them. cut:
     what is missing at its end, in words; empty for a whole file. twice: names that several columns have, which are in `values`
-    under other names.
+    under other names. unusable: why columns that are in the file are not in `values`, by name.
     """
 
     values: dict[str, Floats]
@@ -32,11 +32,14 @@ class MeasuredColumns(Struct, frozen=True, eq=False):
     start_ns: int | None = None
     cut: str = ""
     twice: tuple[str, ...] = ()
+    unusable: dict[str, str] = {}
 
     def require(self, wanted: Sequence[str]) -> None:
         """Raise BrokenFile unless all columns are there once."""
         there = ", ".join(list(self.values)[:50]) or "none"
         for column in wanted:
+            if column in self.unusable:
+                raise BrokenFile("missing_column", f"'{column}' {self.unusable[column]}")
             if column in self.twice:
                 raise BrokenFile("missing_column", f"'{column}' is there more than once: name one of {there}")
         missing = [column for column in wanted if column not in self.values]

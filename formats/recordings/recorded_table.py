@@ -2,81 +2,100 @@
 
 import csv
 import io
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from msgspec import Struct
 
 from formats.files.document_files import UnreadableFile
-from formats.recordings.exported_table import decoded, exported_rows, is_plain
+from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_plain
 from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
 
 
 class RecordedTable(Struct, frozen=True):
-    """Rows of a CSV file by the names in its header line.
+    """Rows of a CSV file by the names in its header line, or of a measuring system's file.
 
     Attributes:
         path: The file.
         rows: One mapping per row below the header.
+        places: Where each row is in the file, in words.
+        unusable: Why a column that is in the file cannot be used, by its name.
     """
 
     path: Path
     rows: list[dict[str, str | None]]
+    places: Sequence[str]
+    unusable: Mapping[str, str] = {}
 
     @classmethod
     def read(cls, path: Path) -> "RecordedTable":
         """Return the table of a file, of a measuring system or CSV. Raises UnreadableFile."""
         if is_measured_file(path):
-            return cls(path, _measured_rows(path))
+            return _measured_table(path)
         try:
             text = decoded(path.read_bytes())
-            rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True)) if is_plain(text) else exported_rows(text)
-            rows = rows or list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
+            rows = [] if is_plain(text) else exported_rows(text)
+            rows = rows or _plain_rows(text)
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise UnreadableFile(f"{path}: {error}") from error
         if not rows:
             raise UnreadableFile(f"{path} has no rows below its header")
-        return cls(path, rows)
+        return cls(path, [row for _, row in rows], [f"line {line}" for line, _ in rows])
 
     def gappy(self, name: str) -> list[float | None]:
         """Return the numbers of a column, None where a cell is blank. Raises UnreadableFile."""
-        return [self._number(line, name, text) for line, text in enumerate(self._cells(name), start=2)]
+        return [self._number(row, name, text) for row, text in enumerate(self._cells(name))]
 
     def column(self, name: str) -> list[float]:
         """Return the numbers of a column that has no gaps. Raises UnreadableFile."""
         values = self.gappy(name)
         if None in values:
-            raise UnreadableFile(f"{self.path}, line {values.index(None) + 2}: column '{name}' has no value")
+            raise UnreadableFile(f"{self.path}, {self.places[values.index(None)]}: column '{name}' has no value")
         return [value for value in values if value is not None]
 
     def words(self, name: str) -> list[str]:
         """Return the texts of a column that has no gaps. Raises UnreadableFile."""
         found = [(text or "").strip() for text in self._cells(name)]
         if "" in found:
-            raise UnreadableFile(f"{self.path}, line {found.index('') + 2}: column '{name}' has no value")
+            raise UnreadableFile(f"{self.path}, {self.places[found.index('')]}: column '{name}' has no value")
         return found
 
     def _cells(self, name: str) -> list[str | None]:
+        if name in self.unusable:
+            raise UnreadableFile(f"{self.path}: column '{name}' {self.unusable[name]}")
         if f"{name}#1" in self.rows[0]:
             raise UnreadableFile(f"{self.path}: column '{name}' is there more than once: name '{name}#1', '{name}#2', …")
         if name not in self.rows[0]:
             raise UnreadableFile(f"{self.path} has no column '{name}'; it has {', '.join(filter(None, self.rows[0]))}")
         return [row[name] for row in self.rows]
 
-    def _number(self, line: int, name: str, text: str | None) -> float | None:
+    def _number(self, row: int, name: str, text: str | None) -> float | None:
         if text is None:
-            raise UnreadableFile(f"{self.path}, line {line} is too short: it has no column '{name}'")
+            last = ": was the file cut short?" if row == len(self.rows) - 1 else ""
+            raise UnreadableFile(f"{self.path}, {self.places[row]} is too short: it has no column '{name}'{last}")
         if not text.strip():
             return None
         try:
             return float(text)
         except ValueError:
-            raise UnreadableFile(f"{self.path}, line {line}: '{text}' in column '{name}' is not a number") from None
+            raise UnreadableFile(f"{self.path}, {self.places[row]}: '{text}' in column '{name}' is not a number") from None
 
 
-def _measured_rows(path: Path) -> list[dict[str, str | None]]:
-    """Return the rows of a measuring system's file as cells; columns of other lengths are left out. Raises UnreadableFile."""
+def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:
+    """Return the rows below a header in the first line, each with the number of its line."""
+    reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
+    return [(reader.line_num, row) for row in reader]
+
+
+def _is_of(column: str, name: str) -> bool:
+    """Return whether a column's long name may stand for a short one: both begin or end alike."""
+    return column.endswith(name) or column.startswith(name.partition(".")[0])
+
+
+def _measured_table(path: Path) -> RecordedTable:
+    """Return the table of a measuring system's file, of the columns that have the most usual length. Raises UnreadableFile."""
     try:
         read = read_measured_file(path)
     except (BrokenFile, OSError) as error:
@@ -88,5 +107,15 @@ def _measured_rows(path: Path) -> list[dict[str, str | None]]:
     columns = {name: column for name, column in read.values.items() if column.size == length}
     if not length:
         raise UnreadableFile(f"{path} holds no column of numbers")
+    others = {
+        name: f"has {column.size} values where {len(columns)} columns have {length}: export all at the same speeds"
+        for name, column in read.values.items()
+        if column.size != length
+    }
+    twice = {
+        name: f"is there more than once: name one of {', '.join(one for one in read.values if _is_of(one, name))}"
+        for name in read.twice
+    }
     cells = {name: ["" if np.isnan(one) else repr(float(one)) for one in column] for name, column in columns.items()}
-    return [{name: column[row] for name, column in cells.items()} for row in range(length)]
+    rows: list[dict[str, str | None]] = [{name: column[row] for name, column in cells.items()} for row in range(length)]
+    return RecordedTable(path, rows, [f"value {row + 1}" for row in range(length)], {**twice, **others, **read.unusable})

@@ -38,12 +38,23 @@ def uff58_columns(path: Path) -> MeasuredColumns:
     listed = [part for one in sets for part in _parts(one)]
     values, twice = named_once(listed)
     abscissa = np.asarray(sets[0]["x"], dtype=float)
+    same = [_same(abscissa, np.asarray(one["x"], dtype=float)) for one in sets for _ in _parts(one)]
+    first = next(iter(values)).removesuffix(".real")
+    other = f"has another abscissa than {first}, whose is `x`: export all datasets over the same one"
     return MeasuredColumns(
-        {"x": abscissa, **values},
+        {"x": abscissa, **{name: column for (name, column), fits in zip(values.items(), same, strict=True) if fits}},
         _rate(sets[0], abscissa),
         cut="its last dataset has no end" if marks % 2 else "",
         twice=twice,
+        unusable={name: other for name, fits in zip(values, same, strict=True) if not fits},
     )
+
+
+def _same(abscissa: Floats, other: Floats) -> bool:
+    """Return whether two datasets were taken at the same values."""
+    if abscissa.shape != other.shape:
+        return False
+    return abscissa.size == 0 or float(np.max(np.abs(other - abscissa))) <= DIGITS * float(np.max(np.abs(abscissa)))
 
 
 def _parts(one: dict[str, Any]) -> list[tuple[str, str, Floats]]:

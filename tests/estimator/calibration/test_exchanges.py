@@ -67,7 +67,7 @@ def test_a_refused_calibration_says_which_exchange_explains_it() -> None:
     runs = [CalibrationRun(f"run-{k}", one, (f"run-{k}",) * one.speed.size, steady=True) for k, one in enumerate(swapped)]
     found = told(plant.machine, runs)
     assert not found.accepted
-    assert "the weights of D1 and D2" in found.verdict.partition(". The runs fit")[2]
+    assert "the weights of D1 and D2" in found.verdict.partition("; the runs fit")[2]
 
 
 def test_only_what_is_far_likelier_is_said() -> None:
@@ -75,6 +75,6 @@ def test_only_what_is_far_likelier_is_said() -> None:
     assert exchange_text([(one, CLEAR - 0.1)], 100) == ""
     assert exchange_text([], 100) == ""
     both = exchange_text([(other, 68.0), (one, 69.3)], 100)
-    assert both.startswith("the runs fit 2.0 times better with A and B or with C and D exchanged")
+    assert both.startswith("the runs fit 2.0 times better with A and B or C and D exchanged")
     assert exchange_text([(other, 40.0), (one, 500.0)], 100).startswith("the runs fit 148 times better with A and B exchanged")
     assert exchange_text([(one, 700.0)], 100).startswith("the runs fit over 1000 times better with A and B exchanged")

@@ -56,7 +56,7 @@ def test_what_explains_the_runs_is_named_and_nothing_where_nothing_does(runs: li
     mixed = [*runs[:2], told(runs[2], INCH), *runs[3:]]
     right = np.asarray(runs[2].measurement.added)
     words = explaining_units(DISCS, mixed, lambda other: np.allclose(np.asarray(other[2].measurement.added), right))
-    assert words == "It fits with the weights of run-2, which were given in g in, in g mm"
+    assert words == "it fits with the weights of run-2, which were given in g in, in g mm"
     assert explaining_units(DISCS, mixed, lambda _: False) == ""
     assert explaining_units(DISCS, runs, lambda _: True) == ""
 
@@ -71,4 +71,4 @@ def test_a_calibration_with_mixed_units_is_refused_and_names_them(runs: list[Cal
     found = calibrated([told(run, INCH, "g in") if k in which else told(run, 1.0, "g mm") for k, run in enumerate(runs)])
     assert not found.accepted
     named = ", ".join(f"run-{k}" for k in which)
-    assert f"It fits with the weights of {named}, which were given in g in, in g mm" in found.verdict
+    assert f"it fits with the weights of {named}, which were given in g in, in g mm" in found.verdict

@@ -156,3 +156,53 @@ def test_a_mat_file_that_becomes_more_than_measured_values_would_is_refused_unre
     assert (tmp_path / "a.mat").stat().st_size < 300_000
     with pytest.raises(UnreadableFile, match=r"holds more than 64 MiB in 0\.1 MiB"):
         read_recording(tmp_path / "a.mat")
+
+
+def test_orders_over_other_speeds_are_not_taken_for_orders_over_the_first(tmp_path: Path) -> None:
+    said = {"type": 58, "binary": 0, "func_type": 2, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1}
+    kinds = {"abscissa_spec_data_type": 19, "ordinate_spec_data_type": 8, "orddenom_spec_data_type": 0}
+    vector = AMPLITUDE * np.exp(1j * np.radians(PHASE))
+    for name, node, speed in (("B1X", 1, RPM), ("B1Y", 2, RPM + 50.0), ("B2X", 3, RPM[:20])):
+        one = {"id1": name, "rsp_node": node, "data": vector[: speed.size], "x": speed}
+        pyuff.UFF(str(tmp_path / "a.uff")).write_sets(said | kinds | one, mode="add")
+    mapped(
+        tmp_path,
+        speed="x",
+        channels=[{"channel": "B1X", "real": "B1X.real", "imaginary": "B1X.imag"}],
+        phase_convention="lead",
+    )
+    assert_read(tmp_path / "a.uff")
+    for other in ("B1Y", "B2X"):
+        channel = {"channel": "B1X", "real": f"{other}.real", "imaginary": f"{other}.imag"}
+        mapped(tmp_path, speed="x", channels=[channel])
+        with pytest.raises(UnreadableFile, match=f"'{other}.real' has another abscissa than B1X, whose is `x`"):
+            read_recording(tmp_path / "a.uff")
+
+
+def test_columns_of_other_lengths_and_of_several_groups_are_named(tmp_path: Path) -> None:
+    mapped(tmp_path)
+    scipy.io.savemat(tmp_path / "a.mat", {"Speed": RPM, "A": AMPLITUDE[:-2], "P": PHASE})
+    with pytest.raises(
+        UnreadableFile, match="column 'A' has 23 values where 2 columns have 25: export all at the same speeds"
+    ):
+        read_recording(tmp_path / "a.mat")
+    with TdmsWriter(tmp_path / "a.tdms") as file:
+        file.write_segment([ChannelObject("run", n, v) for n, v in (("Speed", RPM), ("A", AMPLITUDE), ("P", PHASE))])
+        file.write_segment([ChannelObject("other", "Speed", RPM)])
+    with pytest.raises(UnreadableFile, match="'Speed' is there more than once: name one of run/Speed, other/Speed"):
+        read_recording(tmp_path / "a.tdms")
+
+
+def test_what_is_wrong_with_an_export_is_told_by_the_line_of_the_file(tmp_path: Path) -> None:
+    mapped(tmp_path, channels=[{"channel": "B1X", "amplitude": "Amplitude#1", "phase": "Phase#1"}])
+    rows = ["3/1/2024 10:00:00,600,1.0,2.0,3.0,4.0", "3/1/2024 10:00:01,700,Bad,2.0,3.0,4.0", "3/1/2024 10:00:02,800,1."]
+    (tmp_path / "a.csv").write_text(SYSTEM_1 + "\n".join(rows[:2]) + "\n")
+    with pytest.raises(UnreadableFile, match="line 8: 'Bad' in column 'Amplitude#1' is not a number"):
+        read_recording(tmp_path / "a.csv")
+    (tmp_path / "a.csv").write_text(SYSTEM_1 + "\n".join(rows[::2]))
+    with pytest.raises(UnreadableFile, match=r"line 8 is too short: it has no column 'Phase#1': was the file cut short\?"):
+        read_recording(tmp_path / "a.csv")
+    mapped(tmp_path)
+    scipy.io.savemat(tmp_path / "a.mat", {"Speed": np.r_[np.nan, RPM[1:]], "A": AMPLITUDE, "P": PHASE})
+    with pytest.raises(UnreadableFile, match="value 1: column 'Speed' has no value"):
+        read_recording(tmp_path / "a.mat")

@@ -198,7 +198,7 @@ def test_units_that_are_mixed_among_the_trials_are_named(tmp_path: Path) -> None
     mixed = recording(tmp_path, "mixed", held=False, added_unbalance=weights)
     text = run("calibrate", DOCUMENT, mixed, "--output", str(tmp_path / "kit.yaml"), status=1)
     assert re.search(r"the weights on D2 are \d+ times as heavy as the others: are units mixed", text)
-    assert "It fits with the weights on D2, which were given in g in, in g mm" in text
+    assert "it fits with the weights on D2, which were given in g in, in g mm" in text
 
 
 def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> None:
@@ -207,6 +207,6 @@ def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> Non
     text = run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
     assert "NOT ACCEPTED" in text
     assert (
-        "It fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
+        "it fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
     )
     assert not output.exists()

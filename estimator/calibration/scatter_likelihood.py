@@ -1,0 +1,101 @@
+"""Slope of the part of a calibration's likelihood that tells how large differences between mountings may appear.
+
+At given coordinates the phasors of a mounting are Gaussian: their covariance is that of noise with what differences of the
+discs do through the train and the chains. Its determinant grows with gains and receptances. χ² alone is least where gains are
+too large: differences then count for less, and trial weights seem smaller than they are. That is inverse regression, whose
+gains err by the square of the ratio of differences to weights (Fuller, Measurement Error Models, 1987, sec. 1.1). The
+likelihood of the mixed model has the logarithm of the determinant beside χ² (Harville, J. Am. Stat. Assoc. 72 (1977) 320,
+doi:10.1080/01621459.1977.10480998).
+"""
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from estimator.arrays import Complexes, Floats
+from estimator.calibration.mounted_problem import MountedProblem
+from estimator.fit.problem.phasor_jacobian import phasor_jacobian
+from estimator.rotor.response import sensitivity
+
+
+def with_scatter_slope(problem: MountedProblem, theta: Floats) -> MountedProblem:
+    """Return a problem whose χ² has the determinant's logarithm beside it, as a straight line through θ.
+
+    The sizes of scatter rest on as much of the differences as the coordinates leave over (restricted likelihood). The
+    determinant counts by the same part: so receptances and sizes that change together leave the likelihood as it is.
+
+    Source: Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998.
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+
+    Returns:
+        The problem; where its descent ends at θ, the likelihood has its maximum there.
+    """
+    return replace(problem, slope=_part_left_over(problem, theta) * scatter_slope(problem, theta))
+
+
+def scatter_slope(problem: MountedProblem, theta: Floats) -> Floats:
+    """Compute the derivative of the logarithm of the covariance's determinant, summed over the mountings.
+
+    Source: derivative of a determinant (Jacobi); Harville, J. Am. Stat. Assoc. 72 (1977) 320,
+    doi:10.1080/01621459.1977.10480998.
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+
+    Returns:
+        Derivative (n,) by the coordinates [-].
+    """
+    weight = np.where(problem.used, problem.weight(np.abs(problem.measurement.phasor), 0.0), 0.0)
+    here = problem.linearisation(theta, weight)
+    solved = np.empty_like(here.own)
+    for one, inverse in enumerate(here.inverse):
+        which = here.mounting == one
+        solved[:, which] = inverse @ here.own[:, which]
+    parts = solved.reshape(len(solved), *weight.shape, 2)
+    slope = np.zeros(theta.size)
+    for row in range(2 * problem.planes):
+        slope += _slope_of_difference(problem, theta, row, (parts[row, ..., 0] + 1j * parts[row, ..., 1]) * weight)
+    slope[_added_places(problem)] = 0.0
+    return 2.0 * slope
+
+
+def _slope_of_difference(problem: MountedProblem, theta: Floats, row: int, onto: Complexes) -> Floats:
+    """Return the derivative (n,) of what a part of one disc's difference does, projected onto phasors (S, m) [1/m]."""
+    train, coefficients = problem.scaled_train(theta), problem.coordinates.coefficients(theta)
+    unit = np.zeros(len(train.unknowns.excitations), dtype=complex)
+    disc, imaginary = divmod(row, 2)
+    unit[disc] = problem.spread[disc] / np.sqrt(2.0) * (1j if imaginary else 1.0)
+    slope = np.zeros(theta.size)
+    for block in train.blocks():
+        found = sensitivity(
+            train.pick(block),
+            coefficients=coefficients if coefficients.ndim == 1 else coefficients[block],
+            excitations=unit,
+        )
+        direction = problem.measurement.direction[block]
+        by = phasor_jacobian(problem.coordinates, theta, found, coefficients=coefficients, direction=direction, block=block)
+        slope += np.einsum("nsm,sm->n", by.real, onto[block].real) + np.einsum("nsm,sm->n", by.imag, onto[block].imag)
+    return slope
+
+
+def _added_places(problem: MountedProblem) -> NDArray[np.intp]:
+    """Return the coordinates that add to phasors: what differences do does not depend on them."""
+    coordinates = problem.coordinates
+    first = np.concatenate([coordinates.excitation_place, coordinates.channels.run_out])
+    first = first[first >= 0]
+    return np.concatenate([first, first + 1])
+
+
+def _part_left_over(problem: MountedProblem, theta: Floats) -> float:
+    """Return the part of what phasors tell of the discs' differences that the coordinates have not used up [-]."""
+    found = problem.linearisation(theta, problem.weight(np.abs(problem.measurement.phasor), 0.0))
+    covariance = np.linalg.inv(found.rows @ found.rows.T - found.explained() + problem.coordinates.prior.precision)
+    across = np.einsum("mqp,mnp->mqn", found.inverse, found.mixed)
+    discs = slice(0, 2 * problem.planes)
+    told = np.sum(1.0 - np.einsum("mqq->mq", found.inverse)[:, discs])
+    used = np.sum(np.einsum("mqn,nk,mqk->mq", across, covariance, across, optimize=True)[:, discs])
+    return float(np.clip(1.0 - used / told, 0.0, 1.0)) if told > 0.0 else 0.0
