@@ -28,7 +28,7 @@ PLAIN = ("ross_version", "parameters")
 
 
 class WrongROSSModel(Invalid):
-    """Raised for a file that is no model of ROSS, or that has parts which a machine document cannot describe."""
+    """Raised for a file that is no ROSS model, or whose parts a machine document cannot describe."""
 
 
 def read_ross_model(

@@ -270,7 +270,7 @@ def _share_below_overspeed(speed: Floats, unit: SpeedUnit, machine: Machine) -> 
 
 
 def _require_amplitude_unit(amplitude: Floats, unit: AmplitudeUnit) -> None:
-    """Raise WrongRun for amplitudes that no probe resolves, and that would be those of a machine in another unit."""
+    """Raise WrongRun for amplitudes below any probe's resolution; name the units in which they would be plausible."""
     known = np.abs(amplitude[np.isfinite(amplitude)])
     largest = float(np.max(known, initial=0.0))
     if not 0.0 < largest * METRES[unit] < SMALLEST_AMPLITUDE:

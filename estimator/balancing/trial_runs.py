@@ -223,7 +223,7 @@ def require_plausible_weights(runs: TrialRuns, *, mass: float) -> None:
 
 
 def require_plausible_weight(unbalance: float, *, name: str, plane: str, mass: float) -> None:
-    """Check that one trial weight is of a size that somebody would put on a rotor.
+    """Check that a trial weight has a plausible size.
 
     Args:
         unbalance: Its unbalance [kg m].

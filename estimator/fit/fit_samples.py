@@ -90,7 +90,7 @@ def thinned(measurement: Measurement, *, most: int) -> Measurement:
 
 
 def require_usable(machine: Machine, measurement: Measurement) -> None:
-    """Check that channels and discs are the machine's, and that there is a phasor of a size that a shaft can move by.
+    """Check that channels and discs are the machine's, and that some phasor has a size that a shaft can reach.
 
     Args:
         machine: The machine.

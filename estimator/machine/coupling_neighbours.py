@@ -70,7 +70,7 @@ def probes_beside(machine: Machine, coupling: Coupling) -> Iterator[str]:
 
 
 def _nearest_bearing(machine: Machine, probe: Probe) -> str | None:
-    """Return the bearing that a probe is mounted on, else the nearest one of its shaft."""
+    """Return the bearing on which a probe is mounted, or the nearest bearing of its shaft."""
     own = [one for one in machine.bearings if one.shaft == probe.shaft]
     if probe.mounted_on is not None or not own:
         return probe.mounted_on

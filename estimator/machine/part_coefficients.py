@@ -48,7 +48,7 @@ def coefficient_values(train: Elements) -> dict[str, float | None]:
 
 
 def given_over_speed(train: Elements, *, rpm: float) -> frozenset[str]:
-    """Return the names of the coefficients whose nominal values are those of a form over speed, such as a table.
+    """Return the names of the coefficients with nominal values from a form over speed, such as a table.
 
     Args:
         train: Parts with coefficients.

@@ -1,4 +1,4 @@
-"""Machine whose materials' moduli and densities are multiplied by factors, such as those that a fit found."""
+"""Machine with the moduli and densities of its materials multiplied by factors, such as fitted ones."""
 
 from collections.abc import Mapping
 

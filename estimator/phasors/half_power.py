@@ -85,13 +85,13 @@ def half_power_points(
 
 
 def peak_samples(amplitude: Floats) -> NDArray[np.intp]:
-    """Find the samples inside a curve that are larger than the one before and not smaller than the one behind.
+    """Find the local maxima inside a curve; of equal samples side by side, the first.
 
     Args:
         amplitude: Amplitudes (S,) [any unit].
 
     Returns:
-        Indices (k,) of these samples.
+        Indices (k,) of the maxima.
     """
     inner = amplitude[1:-1]
     return np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:])) + 1

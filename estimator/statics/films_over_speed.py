@@ -33,7 +33,7 @@ class _JournalsOverSpeed:
 
 
 def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[FilmEquilibrium, ...] | None:
-    """Find the equilibria at some speeds near positions that are known, such as those of films a little different.
+    """Find the equilibria at some speeds from known positions nearby, such as those of slightly different films.
 
     Source: Nocedal and Wright, Numerical Optimization, 2006, sec. 11.1 and 11.2.
 

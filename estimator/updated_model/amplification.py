@@ -189,6 +189,7 @@ def amplification(
     highest: float,
     minimum_speed: float,
     maximum_continuous_speed: float,
+    crossings: Complexes | None = None,
 ) -> tuple[tuple[SeparationMargin, ...], ...]:
     """Find the response peaks between two speeds at places of a train, and their margins to the operating speeds.
 
@@ -201,6 +202,7 @@ def amplification(
         highest: Highest speed of the curve [rad/s].
         minimum_speed: Lowest operating speed [rad/s].
         maximum_continuous_speed: Highest continuous operating speed [rad/s].
+        crossings: Eigenvalues (c,) at the model's critical speeds up to `highest` [rad/s]; None to compute them.
 
     Returns:
         For each of the m places its peaks in order of speed, with margins [%] and speeds [rad/s].
@@ -211,8 +213,10 @@ def amplification(
     """
     if not (0 < lowest < highest and 0 < minimum_speed <= maximum_continuous_speed):
         raise ValueError("speeds must be positive, lowest below highest, minimum_speed not above maximum_continuous_speed")
-    table = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
-    speed = _speeds(np.array([one.eigenvalue for one in table], dtype=complex), lowest, highest)
+    if crossings is None:
+        table = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+        crossings = np.array([one.eigenvalue for one in table], dtype=complex)
+    speed = _speeds(crossings, lowest, highest)
     amplitude = np.abs(_response(model, speed, places).phasor)
     return tuple(
         tuple(

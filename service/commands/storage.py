@@ -145,7 +145,7 @@ def export(
 
 
 def database_url(given: str | None) -> str:
-    """Return the URL that is given, else that of the settings."""
+    """Return the given URL, or that of the settings."""
     try:
         return given or settings_of().database
     except SettingsWrong as error:

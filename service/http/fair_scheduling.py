@@ -99,7 +99,7 @@ class RoundRobinQueue:
             await turn
 
     def _next(self) -> None:
-        """Let the next waiting request begin, in the iteration after the one in which the last one began."""
+        """Let the next waiting request begin, one iteration after the last began."""
         while self._waiting:
             address, people = self._waiting.popitem(last=False)
             who, turns = people.popitem(last=False)

@@ -206,7 +206,7 @@ def _advanced(session: Session, tier: Tier, moment: int, served: int) -> CutOff 
 
 
 def _is_set_back(session: Session, tier: Tier, cut_off: CutOff) -> bool:
-    """Return whether a cut-off is far before the stored one, which a clock that was ahead has left."""
+    """Return whether a cut-off is far before the stored one: a clock that was ahead stored that."""
     kept = retention.cut_off(session, tier.name)
     return kept is not None and cut_off.time < kept[0] - DAY_NS
 

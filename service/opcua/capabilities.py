@@ -1,4 +1,4 @@
-"""Tells clients the limits of the server, so that those who keep to them are never refused.
+"""Tells clients the limits of the server: a client that keeps them is never refused.
 
 Source: OPC 10000-5, 6.3.2 and 6.3.11 (ServerCapabilities, OperationLimits); OPC 10000-11, 5.4.2 (HistoryServerCapabilities).
 """

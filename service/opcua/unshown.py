@@ -13,7 +13,7 @@ MOST_NAMED = 5
 
 
 class Unshown:
-    """Names of what is not shown, in the order in which that was noticed."""
+    """Names that the server cannot show, in the order of discovery."""
 
     def __init__(self) -> None:
         self._names: dict[str, None] = {}

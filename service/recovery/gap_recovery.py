@@ -143,7 +143,7 @@ class GapRecovery:
             self.waiting[source] = Waiting(key, time.monotonic() + PATIENCE_S, [arrived])  # its log is asked next
 
     def check_tails(self, *, quiet_s: float) -> None:
-        """Have each live source that was quiet for `quiet_s` queried for samples beyond those that came."""
+        """Query each live source that was quiet for `quiet_s` for samples after the last received one."""
         self.live.query_live_sources()
         for key in self.live:
             if not self._share.is_owner(key.machine):

@@ -22,7 +22,7 @@ class NotPrinted(Unavailable):
 
 
 class ReportProcess:
-    """One worker process that prints one report after the other."""
+    """A worker process that prints reports one after another."""
 
     def __init__(self, *, time_s: float = TIME_S, memory_bytes: int = MEMORY_BYTES) -> None:
         """Set the limits of each report: its time [s] and its memory [B]."""

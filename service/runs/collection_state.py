@@ -92,5 +92,5 @@ def state_of(session: Session, machine_id: str) -> CollectionState | None:
 
 
 def states_of(session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
-    """Return the states of run collection of those of these machines that have one."""
+    """Return the states of run collection by machine; machines without one are left out."""
     return {row.machine_id: CollectionState.restored(row.state) for row in runs.collectors(session, machine_ids)}

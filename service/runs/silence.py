@@ -60,7 +60,7 @@ class SilentMachines:
             due = self._end_first(due)
 
     def _without_idle(self, is_due: Callable[[str], bool]) -> list[str]:
-        """Return the machines that are due, except those for which nothing is to be done."""
+        """Return the due machines, without those that need no action."""
         with self._database.reading() as session:
             due = [one for one in machines.list_ids(session) if self._share.is_owner(one) and is_due(one)]
         for first in range(0, len(due), AT_ONCE):

@@ -21,7 +21,7 @@ STRIKES = 3
 
 @dataclass
 class Plausibility:
-    """The last plausible sample of one source, against which its next ones are checked.
+    """The last plausible sample of a source: its next samples are checked against it.
 
     time [ns], speed [rad/s]; doubted: the last implausible speed, with its time. before: time [ns] of a known sample with a
     later number. set_back, back: the last implausible time [ns], and how many in a row ascend up to it.

@@ -52,7 +52,7 @@ class Refusals:
             self.refuse(promise, answer)
 
     def stored(self) -> None:
-        """Note that all rejections are stored, and answer those who wait."""
+        """Mark all rejections as stored, and answer the senders that wait."""
         self.rejections.clear()
         self._answer()
 

@@ -45,7 +45,7 @@ def next_turn(session: Session, plant: str, priority: int) -> int:
 
 
 def next_jobs(session: Session, limit: int, *, behind: int, overdue: bool) -> list[JobRow]:
-    """Return at most `limit` jobs in their order that nobody else is taking, and lock them.
+    """Return the next jobs in order, at most `limit`, and lock them; jobs locked by others are skipped.
 
     behind: how many of them may be other than automatic. overdue: whether a job that has waited too long comes first.
     """

@@ -282,7 +282,7 @@ def newest_closed(session: Session, machine_id: str, *, revision: int, limit: in
 
 
 def collectors(session: Session, machine_ids: Collection[str]) -> Sequence[CollectorRow]:
-    """Return the states of run collection of those of these machines that have one."""
+    """Return the stored states of run collection by machine; machines without one are left out."""
     return session.scalars(select(CollectorRow).where(CollectorRow.machine_id.in_(machine_ids))).all()
 
 

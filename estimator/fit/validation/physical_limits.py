@@ -332,7 +332,7 @@ def limits_for(machine: Machine) -> LimitsFunction:
 def without_growing_modes(
     limits: PhysicalLimits, problem: FitProblem, found: FitResult
 ) -> tuple[FitResult, LeastDampedMode | None]:
-    """Fit a train again so that no mode grows, from a fit in which one does.
+    """Fit a train again without growing modes, from a fit that has one.
 
     What the data leave open is drawn to the document's values until no mode grows. From there damped Gauss-Newton steps lower
     the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical Optimization, 2006, ch. 17).

@@ -95,7 +95,7 @@ class RequestPlaces:
         self._held[who] += 1
 
     def _following(self) -> str | None:
-        """Return the caller whose turn it is, of those who wait and may hold one more place."""
+        """Return the waiting caller whose turn it is among those below their limit of places."""
         for who, turns in list(self._waiting.items()):
             while turns and turns[0].done():  # it came among another's, or whoever waited has gone
                 turns.popleft()

@@ -93,7 +93,7 @@ def read_report(
 
 
 def _asked_units(request: Request, name: UnitsName | None, reader: Language) -> ShownUnits:
-    """Return the units that a request states, else mils where its language asks for them, else the site's."""
+    """Return the requested units; without any, mils where the language asks for them, or the site's."""
     if name is not None:
         return units_of(name)
     site = units_of(request.app.state.report_units)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.modes.critical_speed import critical_speed_table
+from estimator.modes.critical_speed import CriticalSpeed, critical_speed_table
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.amplification import amplification
 from estimator.updated_model.balance_quality import balance_grades
@@ -27,11 +27,13 @@ def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
     Raises ValueError for a speed or grade that is not positive.
     """
     speed = rpm_to_rad_per_s(service_rpm)
+    highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
+    critical = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
     parts = (
         identified_films(model),
         identified_stability(model),
-        _critical_speeds(model),
-        _peaks(model, speed),
+        _critical_speeds(model, critical),
+        _peaks(model, critical, speed, highest),
         _coupling_loads(model, speed),
         _balance(model, grade, speed),
         _correction(model, speed),
@@ -40,25 +42,23 @@ def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
     return "\n\n".join("\n".join(part) for part in map(list, parts) if part)
 
 
-def _critical_speeds(model: UpdatedModel) -> Iterator[str]:
+def _critical_speeds(model: UpdatedModel, found: tuple[CriticalSpeed, ...]) -> Iterator[str]:
     yield "Critical speeds [r/min], log decrement, whirl (+1 forward to -1 backward)"
-    highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
-    found = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
     for one, error in zip(found, critical_speed_errors(model, found), strict=True):
         rpm = f"{rad_per_s_to_rpm(one.speed):8.0f} ± {rad_per_s_to_rpm(float(error)):.1f}"
         yield f"  {rpm:<18} {one.log_decrement:6.3f} {one.whirl:+6.2f}"
 
 
-def _peaks(model: UpdatedModel, speed: float) -> Iterator[str]:
+def _peaks(model: UpdatedModel, critical: tuple[CriticalSpeed, ...], speed: float, highest: float) -> Iterator[str]:
     yield "Response peaks: channel, speed [r/min], amplification factor, separation margin and what API 684 asks [%]"
-    limits = model.machine.speed_range
     margins = amplification(
         model,
         places=model.machine.probes,
-        lowest=rpm_to_rad_per_s(limits.minimum_rpm),
-        highest=HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(limits.maximum_rpm),
+        lowest=rpm_to_rad_per_s(model.machine.speed_range.minimum_rpm),
+        highest=highest,
         minimum_speed=speed,
         maximum_continuous_speed=speed,
+        crossings=np.array([one.eigenvalue for one in critical], dtype=complex),
     )
     for channel, peaks in zip(model.machine.channels, margins, strict=True):
         for one in peaks:

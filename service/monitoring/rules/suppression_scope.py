@@ -66,6 +66,6 @@ def _pair_problems(rule: str, element: str) -> Iterator[tuple[str, str]]:
 
 
 def _instead(name: str, known: Sequence[str]) -> str:
-    """Return the names that are close to one that is not known, or those that there are."""
+    """Return the known names close to an unknown one; all of them where none is close."""
     more = ", …" if len(known) > MOST_LISTED else ""
     return did_you_mean(name, known) or f"; there are {', '.join(known[:MOST_LISTED])}{more}"
