@@ -112,7 +112,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], dict[str, Any
         "no column holds the speed.*; does 'sped' hold it",
     ),
     "no channel": (lambda c: {"speed": c["speed"]}, {}, "no column holds an amplitude of a channel of 'motor-pump'"),
-    "no phase": (lambda c: without("B2L_phase", c), {}, r"no column holds the phase of B2L: .*B4R_phase$"),
+    "no phase": (lambda c: without("B2L_phase", c), {}, r"no column holds the phase of B2L: .*B3R_phase and 4 more$"),
     "a phase under another name": (
         lambda c: {**without("B2L_phase", c), "B2L_deg": c["B2L_phase"]},
         {},
