@@ -9,12 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.bearings.terms import LATERAL, Term
 from estimator.fit.estimates import CONFIDENCE_95, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR
 from estimator.quantities import UNITS
-from estimator.updated_model.film_results import placed_films
+from estimator.updated_model.film_results import UncertainCoefficient, uncertain_coefficients
 from estimator.updated_model.model import UpdatedModel
-from estimator.updated_model.uncertainty import standard_errors
 
 
 @dataclass(frozen=True)
@@ -48,33 +46,15 @@ def film_coefficients(model: UpdatedModel, *, speed: Floats) -> tuple[FilmCoeffi
     Returns:
         The coefficients, film by film; none of a train whose coefficients do not follow from films.
     """
-    coordinates = model.coordinates_at(speed)
-    with_films = placed_films(coordinates)
-    if with_films is None:
-        return ()
-    placed, films = with_films
-    theta = coordinates.theta(model.values)
-    unit = coordinates.unit[placed.numbers]
-    covariance = model.covariance[np.ix_(placed.numbers, placed.numbers)] / np.outer(unit, unit)
-    value, error = placed.values(theta), standard_errors(placed.derivatives(theta, slice(None)), covariance)
-    column = {name: c for c, name in enumerate(films.coefficients)}
-    found = []
-    for bearing in model.machine.bearings:
-        if bearing.film is None:
-            continue
-        for term in LATERAL:
-            c, *beside = (column[f"bearing.{bearing.id}.{one}"] for one in (term.name, *term.beside))
-            size = np.sqrt(np.abs(value[:, beside].prod(axis=1)))
-            found.append(_banded(bearing.id, term, value[:, c], error[:, c], size))
-    return tuple(found)
+    return tuple(map(_banded, uncertain_coefficients(model, speed=speed)))
 
 
-def _banded(bearing: str, term: Term, value: Floats, error: Floats, size: Floats) -> FilmCoefficient:
+def _banded(one: UncertainCoefficient) -> FilmCoefficient:
     """State a coefficient by the rules of estimates: a positive direct term by its logarithm, nothing too uncertain."""
-    positive = term.direct & (value > 0.0)
-    uncertain = error > np.where(positive, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR) * size
-    half = CONFIDENCE_95 * error
-    ratio = np.exp(half / np.where(positive & ~uncertain, value, np.inf))
-    lower, upper = np.where(positive, value / ratio, value - half), np.where(positive, value * ratio, value + half)
-    shown = (np.where(uncertain, np.nan, one) for one in (value, lower, upper))
-    return FilmCoefficient(bearing, term.name, UNITS[term.quantity], *shown)
+    uncertain = one.error > np.where(one.positive, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR) * one.size
+    half = CONFIDENCE_95 * one.error
+    ratio = np.exp(half / np.where(one.positive & ~uncertain, one.value, np.inf))
+    lower = np.where(one.positive, one.value / ratio, one.value - half)
+    upper = np.where(one.positive, one.value * ratio, one.value + half)
+    shown = (np.where(uncertain, np.nan, column) for column in (one.value, lower, upper))
+    return FilmCoefficient(one.bearing, one.term.name, UNITS[one.term.quantity], *shown)

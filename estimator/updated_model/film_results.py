@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.arrays import Floats
-from estimator.bearings.terms import LATERAL
+from estimator.arrays import Bools, Floats
+from estimator.bearings.terms import LATERAL, Term
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.placed_models import PlacedModel
 from estimator.machine.bearings_on_films import bearings_on_films
@@ -59,21 +59,19 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     Returns:
         The numbers, bearing by bearing; none of a train whose coefficients do not follow from films.
     """
-    speed = np.array([rpm_to_rad_per_s(one) for one in reported_rpm(model.machine)])
+    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
     coordinates = model.coordinates_at(speed)
     with_films = placed_films(coordinates)
     if with_films is None:
         return ()
     placed, films = with_films
     theta = coordinates.theta(model.values)
-    states = journal_states(films, placed.own(theta), speed=speed[-1:])
+    states = journal_states(films, placed.own(theta), speed=speed)
     if states is None:
         return ()
-    unit = coordinates.unit[placed.numbers]
-    covariance = model.covariance[np.ix_(placed.numbers, placed.numbers)] / np.outer(unit, unit)
-    own = covariance[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
+    own = covariance_of(placed, model, coordinates)[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
     on_films = {one.number for one in bearings_on_films(model.machine.bearings)}
-    found = list(_coefficients(model, placed, theta, covariance))
+    found = list(_coefficients(model))
     for number, bearing in enumerate(model.machine.bearings):
         found += _loads(f"bearing.{bearing.id}", states, number, own)
         if number in on_films:
@@ -94,24 +92,79 @@ def placed_films(coordinates: Coordinates) -> tuple[PlacedModel, FilmModel] | No
     return next(((one, one.model) for one in coordinates.models if isinstance(one.model, FilmModel)), None)
 
 
-def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covariance: Floats) -> Iterator[FilmResult]:
-    """Yield each term at each speed, film by film."""
-    values = placed.values(theta)
-    errors = standard_errors(placed.derivatives(theta, slice(None)), covariance)
-    speeds = reported_rpm(model.machine)
-    column = {name: c for c, name in enumerate(placed.model.coefficients)}
+@dataclass(frozen=True)
+class UncertainCoefficient:
+    """One coefficient of one film at S speeds.
+
+    Attributes:
+        bearing: Id of the bearing.
+        term: The term.
+        value: Values (S,) [SI unit].
+        error: Their standard errors (S,) [SI unit].
+        size: What the errors are compared with, the direct terms beside it (S,) [SI unit].
+    """
+
+    bearing: str
+    term: Term
+    value: Floats
+    error: Floats
+    size: Floats
+
+    @property
+    def positive(self) -> Bools:
+        """Return where it is positive by nature (S,)."""
+        return np.asarray(self.term.direct & (self.value > 0.0))
+
+
+def uncertain_coefficients(model: UpdatedModel, *, speed: Floats) -> Iterator[UncertainCoefficient]:
+    """Yield each coefficient over speed, film by film (JCGM 100:2008, 5.2).
+
+    Args:
+        model: The updated model.
+        speed: Speeds (S,) [rad/s], positive.
+
+    Yields:
+        The coefficients; none of a train whose coefficients do not follow from films.
+    """
+    coordinates = model.coordinates_at(speed)
+    with_films = placed_films(coordinates)
+    if with_films is None:
+        return
+    placed, films = with_films
+    theta = coordinates.theta(model.values)
+    value = placed.values(theta)
+    error = standard_errors(placed.derivatives(theta, slice(None)), covariance_of(placed, model, coordinates))
+    column = {name: c for c, name in enumerate(films.coefficients)}
     for bearing in bearings_on_films(model.machine.bearings):
         for term in LATERAL:
             c, *beside = (column[f"bearing.{bearing.id}.{one}"] for one in (term.name, *term.beside))
-            for place, rpm in enumerate(speeds):
-                yield FilmResult(
-                    f"bearing.{bearing.id}.{term.name}@{rpm:g}rpm",
-                    UNITS[term.quantity],
-                    float(values[place, c]),
-                    float(errors[place, c]),
-                    float(np.sqrt(np.abs(values[place, beside].prod()))),
-                    term.direct and values[place, c] > 0.0,
-                )
+            size = np.sqrt(np.abs(value[:, beside].prod(axis=1)))
+            yield UncertainCoefficient(bearing.id, term, value[:, c], error[:, c], size)
+
+
+def covariance_of(placed: PlacedModel, model: UpdatedModel, coordinates: Coordinates) -> Floats:
+    """Return the covariance of a placed model's own parameters.
+
+    Args:
+        placed: The model with its place among the coordinates.
+        model: The updated model.
+        coordinates: Its coordinates.
+
+    Returns:
+        Covariance (n, n) of the n parameters [-].
+    """
+    unit = coordinates.unit[placed.numbers]
+    return np.asarray(model.covariance[np.ix_(placed.numbers, placed.numbers)] / np.outer(unit, unit))
+
+
+def _coefficients(model: UpdatedModel) -> Iterator[FilmResult]:
+    """Yield each term at each reported speed, film by film."""
+    rpm = reported_rpm(model.machine)
+    for one in uncertain_coefficients(model, speed=np.array([rpm_to_rad_per_s(at) for at in rpm])):
+        rows = zip(rpm, one.value.tolist(), one.error.tolist(), one.size.tolist(), one.positive.tolist(), strict=True)
+        for at, value, error, size, positive in rows:
+            name = f"bearing.{one.bearing}.{one.term.name}@{at:g}rpm"
+            yield FilmResult(name, UNITS[one.term.quantity], value, error, size, positive)
 
 
 def _loads(element: str, states: JournalStates, number: int, covariance: Floats) -> Iterator[FilmResult]:
