@@ -39,6 +39,8 @@ USUAL: Mapping[tuple[str, str], str] = {
     ("JournalForm", "viscosity_ratio_spread"): "0.1 to 0.3",
     ("JournalForm", "viscosity_slope_spread"): "0.1 to 0.3",
     ("JournalFilm", "valid_above_rpm"): "where the jacking oil is shut off",
+    ("Elevation", "x"): "up to 5e-04 either way",
+    ("Elevation", "y"): "up to 5e-04 either way",
     ("AlignmentTolerance", "offset"): "2e-05 to 1e-04",
     ("AlignmentTolerance", "angle"): "2e-04 to 1e-03",
     ("Oil", "inlet_c"): "35 to 50",

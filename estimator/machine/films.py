@@ -128,7 +128,7 @@ class JournalFilm(Part):
 
 
 class Elevation(Part):
-    """Describe where a bearing stands that is no film itself, in a train of which others are."""
+    """The place of a bearing that is no film itself, in a train of which others are."""
 
     x: Real = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
     y: Real = Field(default=0.0, description="centre over its aligned place, vertical [m]")

@@ -16,6 +16,7 @@ from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.placed_models import PlacedModel
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.film_speeds import reported_rpm
+from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel
 from estimator.statics.journal_states import JournalStates, journal_states
@@ -77,7 +78,7 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
         if number in on_films:
             found += _journal(f"bearing.{bearing.id}", states, number, films.own.place(number, "clearance"), own)
     order = {f"bearing.{one.id}": number for number, one in enumerate(model.machine.bearings)}
-    return tuple(sorted(found, key=lambda one: order[one.name.rpartition(".")[0]]))
+    return tuple(sorted(found, key=lambda one: order[describe(one.name).element]))
 
 
 def placed_films(coordinates: Coordinates) -> tuple[PlacedModel, FilmModel] | None:

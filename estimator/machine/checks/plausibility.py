@@ -1,6 +1,6 @@
 """Values of a machine document that only a slip of the unit explains; looked for where documents enter, not in stored ones."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from estimator.machine.document import Machine
 from estimator.machine.films import JournalFilm
@@ -52,6 +52,9 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
     for i, bearing in enumerate(machine.bearings):
         if bearing.film is not None:
             yield from ((f"bearings[{i}].film.{field}", message) for field, message in _of_film(bearing.film))
+        if bearing.elevation is not None:
+            named = {"x": bearing.elevation.x, "y": bearing.elevation.y}
+            yield from ((f"bearings[{i}].elevation.{field}", message) for field, message in _of_elevations(named))
     for i, tolerance in enumerate(machine.operation.alignment_tolerances):
         for name, unit, usual in (("offset", "m", "3e-05 to 0.0002"), ("angle", "rad", "0.0003 to 0.0013")):
             allowed = getattr(tolerance, name)
@@ -65,10 +68,7 @@ def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
         if value > LARGEST_DIAMETER:
             yield name, f"{value:g} m: usual is 0.02 to 1 m; was {value:g} mm meant?"
             return
-    for name, value in (("elevation_x", film.elevation_x), ("elevation_y", film.elevation_y)):
-        if abs(value) > LARGEST_ELEVATION:
-            meant = "mm" if abs(value) <= LARGEST_IN_MILLIMETRES else "µm"
-            yield name, f"{value:g} m over the aligned place: usual is up to 0.0005 m; was {value:g} {meant} meant?"
+    yield from _of_elevations({"elevation_x": film.elevation_x, "elevation_y": film.elevation_y})
     least, largest = SLENDERNESS
     if not least <= film.length / film.diameter <= largest:
         slender = f"{film.length:g} m is {film.length / film.diameter:.3g} times the diameter, {film.diameter:g} m"
@@ -76,3 +76,10 @@ def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
     viscosity = film.oil.viscosity
     if viscosity is not None and viscosity > LARGEST_VISCOSITY:
         yield "oil.viscosity", f"{viscosity:g} Pa s: usual is 0.005 to 0.1 Pa s; was {viscosity:g} mPa s (cP) meant?"
+
+
+def _of_elevations(named: Mapping[str, float]) -> Iterator[tuple[str, str]]:
+    for name, value in named.items():
+        if abs(value) > LARGEST_ELEVATION:
+            meant = "mm" if abs(value) <= LARGEST_IN_MILLIMETRES else "µm"
+            yield name, f"{value:g} m over the aligned place: usual is up to 0.0005 m; was {value:g} {meant} meant?"

@@ -177,9 +177,9 @@ def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Ite
     for one in journal_states(machine, train, found):
         pressure, thinnest = _scaled(one.specific_pressure, 1.0 / MEGAPASCAL), _scaled(one.thinnest_film, 1e6)
         yield (
-            f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {_column(pressure, '7.3f')} "
-            f"{_column(one.eccentricity, '6.3f')} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
-            f"{_column(thinnest, '7.1f')} {_column(one.sommerfeld, '8.3f')}{_remark(one)}"
+            f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {_column(pressure, 7, 3)} "
+            f"{_column(one.eccentricity, 6, 3)} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
+            f"{_column(thinnest, 7, 1)} {_column(one.sommerfeld, 8, 3)}{_remark(one)}"
         )
 
 
@@ -187,9 +187,9 @@ def _scaled(value: float | None, factor: float) -> float | None:
     return None if value is None else value * factor
 
 
-def _column(value: float | None, width: str) -> str:
+def _column(value: float | None, width: int, decimals: int) -> str:
     """Return a number in its column; a dash of what the bearing does not have."""
-    return f"{'-':>{width.partition('.')[0]}}" if value is None else f"{value:{width}}"
+    return f"{'-':>{width}}" if value is None else f"{value:{width}.{decimals}f}"
 
 
 def _remark(one: JournalState) -> str:

@@ -65,6 +65,17 @@ def test_a_slip_of_the_unit_in_a_film_is_refused(change: dict[str, Any], field: 
         accepted_machine(document)
 
 
+def test_an_elevation_in_micrometres_of_a_bearing_beside_films_is_refused() -> None:
+    document = motor_compressor_document("flexible")
+    del document["bearings"][0]["film"]
+    for bearing in document["bearings"][1:]:
+        bearing["speed_dependence"] = {"form": "journal"}
+    document["bearings"][0]["elevation"] = {"y": 20.0}
+    words = r"bearings\[0\].elevation.y: 20 m over the aligned place: usual is up to 0.0005 m; was 20 µm meant"
+    with pytest.raises(DocumentError, match=words):
+        accepted_machine(document)
+
+
 def test_a_pedestal_in_newtons_per_micrometre_is_refused() -> None:
     document = motor_compressor_document("flexible")
     terms = {"kxx": 250.0, "kyy": 6e8, "cxx": 4e4, "cyy": 6e4, "mxx": 600.0, "myy": 600.0}
