@@ -471,6 +471,11 @@ GERMAN_STORED: Mapping[str, str] = {
     "elevations are in m, over the place at which couplings carry nothing": (
         "Höhenlagen sind in m, über der Lage, bei der Kupplungen nichts tragen"
     ),
+    "{allowed} {unit}: growth from cold to hot alone passes it": (
+        "{allowed} {unit}: schon was von kalt nach warm wächst, überschreitet das"
+    ),
+    "{allowed} {unit}: no alarm would come in time": "{allowed} {unit}: kein Alarm käme rechtzeitig",
+    "usual is {low} to {high} {unit}": "üblich ist {low} bis {high} {unit}",
     (
         "{clearance} µm is {part} of the radius, {radius} m: usual is 0.001 to 0.002 of it, half the difference of the "
         "diameters"
