@@ -23,26 +23,26 @@ MOST_REFUSED, LEAST_REFUSED = 0.05, 0.9
 OTHER_UNIT = 25.4
 """Factor between g in and g mm [-]."""
 
-Weights = Sequence[Complexes]
+StatedWeights = Sequence[Complexes]
 
 
-def _counted_otherwise(put: Weights) -> Weights:
+def _counted_otherwise(put: StatedWeights) -> StatedWeights:
     return [one.conj() for one in put]
 
 
-def _of_other_discs(put: Weights) -> Weights:
+def _of_other_discs(put: StatedWeights) -> StatedWeights:
     return [one[:, [1, 0, *range(2, one.shape[1])]] for one in put]
 
 
-def _in_another_unit(put: Weights) -> Weights:
+def _in_another_unit(put: StatedWeights) -> StatedWeights:
     return [one * (OTHER_UNIT if number % 3 == 1 else 1.0) for number, one in enumerate(put)]
 
 
-def _of_the_next_run(put: Weights) -> Weights:
+def _of_the_next_run(put: StatedWeights) -> StatedWeights:
     return [put[0], *put[2:], put[1]]
 
 
-KINDS: dict[str, Callable[[Weights], Weights]] = {
+KINDS: dict[str, Callable[[StatedWeights], StatedWeights]] = {
     "angles counted the other way round": _counted_otherwise,
     "weights of two discs exchanged": _of_other_discs,
     "weights of every third run in another unit": _in_another_unit,
@@ -62,7 +62,7 @@ def wrong_weights(short: bool) -> Iterator[ReportLine]:
         yield ReportLine(f"    {words}: refused", ">= 90 %", f"{refused} of {count}", refused >= LEAST_REFUSED * count)
 
 
-def is_refused(seed: int, wrong: Callable[[Weights], Weights] | None = None) -> bool:
+def is_refused(seed: int, wrong: Callable[[StatedWeights], StatedWeights] | None = None) -> bool:
     """Return whether a simulated train's calibration is refused, with its weights as they were or stated wrongly."""
     plant = MountedTrain("motor-pump", seed)
     runs = plant.runs(RUNS, SPEEDS)
@@ -71,5 +71,5 @@ def is_refused(seed: int, wrong: Callable[[Weights], Weights] | None = None) -> 
     return not calibrate(plant.machine, runs).accepted
 
 
-def _stated(runs: Sequence[CalibrationRun], put: Weights) -> list[CalibrationRun]:
+def _stated(runs: Sequence[CalibrationRun], put: StatedWeights) -> list[CalibrationRun]:
     return [replace(one, measurement=replace(one.measurement, added=said)) for one, said in zip(runs, put, strict=True)]

@@ -57,9 +57,15 @@ def separate_planes(influence: MeasuredInfluence, *, weight: Floats | None = Non
     own = _own_parts(matrix[:, sorted(kept)])
     alike = [influence.planes[plane] for plane, part in zip(sorted(kept), own, strict=True) if part < LEAST_OWN]
     words = [_words(influence, matrix, error, plane, kept) for plane in range(matrix.shape[1]) if plane not in kept]
-    if alike:
+    least = f"{100 * float(own.min(initial=1.0)):.0f} %"
+    if len(alike) == 1:
         words.append(
-            f"{' and '.join(alike)} do nearly the same at the measuring points, only {100 * float(own.min()):.0f} % is their "
+            f"{alike[0]} does nearly what other planes together do at the measuring points, only {least} is its own: weights "
+            "on it nearly cancel theirs, and are no better known than their intervals say"
+        )
+    elif alike:
+        words.append(
+            f"{' and '.join(alike)} do nearly the same at the measuring points, only {least} is their "
             "own: weights on them nearly cancel, and are no better known than their intervals say"
         )
     return PlaneSeparation(

@@ -89,9 +89,9 @@ def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:
     return [(reader.line_num, row) for row in reader]
 
 
-def _is_of(column: str, name: str) -> bool:
+def _is_of(column: str, short: str) -> bool:
     """Return whether a column's long name may stand for a short one: both begin or end alike."""
-    return column.endswith(name) or column.startswith(name.partition(".")[0])
+    return column.endswith(short) or column.startswith(short.removesuffix(".real").removesuffix(".imag"))
 
 
 def _measured_table(path: Path) -> RecordedTable:

@@ -16,9 +16,11 @@ from service.wording.language import ENGLISH, Language
 from service.wording.stored_sentences import in_language
 
 STYLE = (
-    "@page{size:A4;margin:12mm}body{font:10px/1.35 sans-serif;margin:1em;color:#111}pre{font:9px/1.35 monospace;"
-    "white-space:pre-wrap}figure{display:inline-block;margin:0 6px 6px 0;width:220px;vertical-align:top}"
-    "figcaption{font-size:9px}.ring{fill:none;stroke:#bbb;stroke-width:.6}text{font-size:8px;fill:#555}"
+    "@page{size:A4;margin:10mm}body{font:10px/1.3 sans-serif;margin:1em;color:#111;orphans:1;widows:1}"
+    "@media print{body{margin:0}}pre{font:8.5px/1.3 monospace;white-space:pre-wrap;margin:0 0 1em}"
+    "figure{display:inline-block;margin:0 1% 6px 0;width:24%;max-width:220px;vertical-align:top;break-inside:avoid}"
+    "svg{width:100%;height:auto}figcaption{font:8px/1.2 sans-serif}"
+    ".ring{fill:none;stroke:#bbb;stroke-width:.6}text{font-size:8px;fill:#555}"
 )
 
 

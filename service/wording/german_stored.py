@@ -403,6 +403,13 @@ GERMAN_STORED: Mapping[str, str] = {
         "bei diesen Testläufen lässt sich keiner auslassen, um sie zu prüfen"
     ),
     (
+        "{plane} does nearly what other planes together do at the measuring points, only {part} % is its own: weights on it "
+        "nearly cancel theirs, and are no better known than their intervals say"
+    ): (
+        "{plane} wirkt an den Messpunkten fast wie andere Ebenen zusammen, nur {part} % ist ihr eigen: Massen auf ihr heben "
+        "sich mit deren fast auf und sind nicht besser bekannt, als ihre Vertrauensbereiche sagen"
+    ),
+    (
         "{planes} do nearly the same at the measuring points, only {part} % is their own: weights on them nearly cancel, and "
         "are no better known than their intervals say"
     ): (
