@@ -46,7 +46,7 @@ AT_MOST_TWICE = 2.0
 OVER_ALIVE = 2.5
 """Largest p99 of trends, lists of alerts and the list of machines over that of `/alive` in the same round [-]."""
 OFTEN = 5
-"""How many times as many requests each figure gets that is judged by its ratio to `/alive` [-]."""
+"""Factor on the requests of each figure that is judged by its ratio to `/alive` [-]."""
 
 
 @dataclass(frozen=True)
