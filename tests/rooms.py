@@ -135,10 +135,10 @@ service/api/findings: estimator estimator/alignment estimator/calibration estima
     service/monitoring service/monitoring/assessment service/monitoring/rules service/security service/wording storage
     storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/balancing estimator/calibration estimator/machine estimator/machine/checks
-    estimator/phasors estimator/runs estimator/updated_model service/alerts service/api/cache service/api/conventions
-    service/balancing service/http service/identification service/monitoring service/monitoring/rules service/reports
-    service/runs service/security service/wording storage storage/database storage/encoding storage/findings
-    storage/machines storage/measurements storage/tables
+    estimator/phasors estimator/runs estimator/statics estimator/updated_model service/alerts service/api/cache
+    service/api/conventions service/balancing service/http service/identification service/monitoring
+    service/monitoring/rules service/reports service/runs service/security service/wording storage storage/database
+    storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
