@@ -1,4 +1,4 @@
-"""Whether a train as its document describes it would whirl, or its journals touch, within its speed range.
+"""Tells whether a train as its document describes it would whirl, or its journals touch, within its speed range.
 
 Its oil films take seconds, too long for the answer to POST and PUT: it is computed once for each revision, when first asked
 for, and kept in memory.
@@ -21,7 +21,7 @@ router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, d
 
 
 class Stability(BaseModel):
-    """What keeps a train from running within its speed range, by its document in force."""
+    """A train's stability within its speed range, by its document in force."""
 
     machine: str
     revision: int

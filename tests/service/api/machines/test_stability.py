@@ -1,4 +1,4 @@
-"""Whether a train would whirl, or its journals touch, asked of the API: in the words of `rundown check`, once a revision."""
+"""Stability asked of the API: trains that would whirl or touch, in the words of `rundown check`, computed once a revision."""
 
 from typing import Any
 
