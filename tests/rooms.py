@@ -135,10 +135,10 @@ service/api/findings: estimator estimator/alignment estimator/calibration estima
     service/monitoring service/monitoring/assessment service/monitoring/rules service/security service/wording storage
     storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/balancing estimator/calibration estimator/machine estimator/machine/checks
-    estimator/phasors estimator/runs estimator/updated_model service/alerts service/api/cache service/api/conventions
-    service/balancing service/http service/identification service/monitoring service/monitoring/rules service/reports
-    service/runs service/security service/wording storage storage/database storage/encoding storage/findings
-    storage/machines storage/measurements storage/tables
+    estimator/phasors estimator/runs estimator/statics estimator/updated_model service/alerts service/api/cache
+    service/api/conventions service/balancing service/http service/identification service/monitoring
+    service/monitoring/rules service/reports service/runs service/security service/wording storage storage/database
+    storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
@@ -153,15 +153,15 @@ service/doctor: formats/wire service/api service/configuration service/delivery 
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
 service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
     estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: estimator estimator/alignment estimator/balancing estimator/bearings estimator/calibration estimator/fit
-    estimator/identification estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
-    estimator/updated_model formats/files formats/recordings formats/wire rotorundown rotorundown/environment
-    service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
-    service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
-    service/write_path service/maintenance service/messaging service/monitoring/rules service/mqtt service/opcua
-    service/replication service/reports service/resilience service/runs service/secrets service/security service/sources
-    service/wording service/workers storage storage/backup storage/database storage/encoding storage/machines
-    storage/operation storage/tables
+service/commands: estimator estimator/alignment estimator/balancing estimator/bearings estimator/calibration
+    estimator/fit estimator/identification estimator/machine estimator/machine/checks estimator/phasors
+    estimator/simulation estimator/statics estimator/thesis estimator/updated_model formats/files formats/recordings
+    formats/wire rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
+    service/commands/results service/configuration service/delivery service/doctor service/edge service/export
+    service/http service/identification service/ingest service/write_path service/maintenance service/messaging
+    service/monitoring/rules service/mqtt service/opcua service/replication service/reports service/resilience
+    service/runs service/secrets service/security service/sources service/wording service/workers storage storage/backup
+    storage/database storage/encoding storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

@@ -6,6 +6,7 @@ equilibria (`film_stability`).
 
 import numpy as np
 
+from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, slowest_rpm
 from estimator.modes.eigenmodes import OSCILLATING, damping_ratio
@@ -21,6 +22,21 @@ HIGHEST_MODE = 2.0
 """Highest frequency of modes that are looked at, as a multiple of the highest speed [-]."""
 GROWING = -1e-4
 """Damping ratio below which a mode grows, and is not merely undamped [-]."""
+
+
+def instability_words(machine: Machine) -> str:
+    """State that a train as its document describes it would touch or whirl within its own speed range; films take seconds.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The words of `touching_words` or `whirl_words`, or why there is no static state to judge; empty where it would run.
+    """
+    try:
+        return touching_words(machine) or whirl_words(machine)
+    except Invalid as error:  # nothing carries a shaft, for example
+        return str(error)
 
 
 def whirl_words(machine: Machine) -> str:

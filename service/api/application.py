@@ -50,6 +50,7 @@ from service.api.machines.overview import Overview
 from service.api.machines.report import router as report
 from service.api.machines.routes import router as machines
 from service.api.machines.slow_roll import router as slow_roll
+from service.api.machines.stability import router as stability
 from service.api.machines.timeline import router as timeline
 from service.api.machines.train_drawing import router as train_drawing
 from service.api.measurements.ingestion import router as ingestion
@@ -270,6 +271,7 @@ def _routes() -> list[BaseRoute]:
         run_quality,
         vibration,
         train_drawing,
+        stability,
         report,
         comparisons,
         identifications,

@@ -49,10 +49,9 @@ def check(
     A train that would whirl, or whose journals would touch, within its speed range is warned of; on oil films that takes
     some seconds. Ends with status 1 where something is wrong; a warning is none.
     """
-    from estimator.errors import Invalid
     from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
+    from estimator.statics.whirl_in_range import instability_words
     from rotorundown.machine_files import WrongMachine, read_machine
-    from service.commands.results.film_report import film_warning
 
     try:
         described = read_machine(machine)
@@ -60,10 +59,7 @@ def check(
         fail(str(error))
     warnings = document_warnings(described)
     with working("looking whether the films carry and the train would whirl"):
-        try:
-            unfit = film_warning(described)
-        except Invalid as error:  # nothing carries a shaft, for example
-            unfit = str(error)
+        unfit = instability_words(described)
     warnings += (DocumentWarning("bearings", unfit),) if unfit else ()
     for warning in warnings:
         print_line(f"warning: {warning}", err=True)

@@ -209,6 +209,24 @@ GERMAN_STORED: Mapping[str, str] = {
         "valid_above_rpm eines Films ist {speed} 1/min, und der Drehzahlbereich endet bei {end} 1/min: bei keiner Drehzahl "
         "darin tragen alle Filme"
     ),
+    (
+        "on the oil films as they are described the train would whirl from {speed} r/min on, within its speed range up to "
+        "{end} r/min: are clearances, oil and preload right?"
+    ): (
+        "in den Ölfilmen, wie sie beschrieben sind, hätte der Wellenstrang ab {speed} 1/min Ölwirbel (Oil Whirl), innerhalb "
+        "seines Drehzahlbereichs bis {end} 1/min: stimmen Lagerspiele, Öl und Vorspannung?"
+    ),
+    (
+        "at {speed} r/min a mode would grow (damping ratio {ratio}), so that the train could not run there: usual is more "
+        "than 0.01"
+    ): (
+        "bei {speed} 1/min würde eine Mode aufklingen (Dämpfungsgrad {ratio}), sodass der Wellenstrang dort nicht laufen "
+        "könnte: üblich ist mehr als 0,01"
+    ),
+    "are damping and cross-coupled stiffness right?": "stimmen Dämpfung und Kreuzsteifigkeit?",
+    "a shaft is held neither by two bearings nor by a coupling: nothing carries its weight": (
+        "eine Welle wird weder von zwei Lagern noch von einer Kupplung gehalten: nichts trägt ihr Gewicht"
+    ),
     "not physically possible: at {speed} rpm, where the machine ran, {what}": (
         "physikalisch nicht möglich: bei {speed} 1/min, wo die Maschine lief, {what}"
     ),

@@ -5,7 +5,9 @@ import re
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
+from tests.browser.copied_machine import create_copy
 from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service, example
 
 HURRIED = """const wait = AbortSignal.timeout.bind(AbortSignal);
 AbortSignal.timeout = (ms) => wait(ms === 20000 ? 1000 : ms);"""
@@ -14,6 +16,7 @@ LATER = """const began = Date.now(), now = Date.now.bind(Date);
 Date.now = () => now() + (now() - began > 1500 ? 30000 : 0);"""
 """A clock that half a minute has passed on, from some moment."""
 MODEL = re.compile(r"/identifications/\d+/(model/|bode)|/alignment")
+STABILITY = re.compile("/stability$")
 CAMPBELL = re.compile("/model/campbell")
 BUSY = {"type": "about:blank", "title": "Service Unavailable", "status": 503, "detail": "32 wait already; ask again"}
 
@@ -83,3 +86,27 @@ def test_a_service_with_too_much_to_compute_is_asked_again(seen: Seen) -> None:
     expect(panel.get_by_role("alert")).to_contain_text("32 wait already")
     seen.page.unroute_all()
     expect(panel.locator("canvas")).to_be_visible()
+
+
+def test_whether_a_train_would_whirl_is_computed_beside_its_page(seen: Seen, service: Service) -> None:
+    bearings = [one | {"kxy": 3.0 * one["kxx"], "kyx": -3.0 * one["kxx"]} for one in example(MACHINE)["bearings"]]
+    create_copy(service, "unstable", "Train that would whirl", bearings=bearings)
+    held: list[Route] = []
+    seen.page.route(STABILITY, lambda route: held.append(route))
+    seen.open("machines/unstable")
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Warnings of the document"))
+    expect(panel).to_contain_text("Whether the train would whirl, or a journal touch its bearing")
+    expect(panel.get_by_role("progressbar")).to_be_visible()
+    held[0].continue_()
+    expect(panel.get_by_role("listitem")).to_contain_text(re.compile(r"^bearings: at \d+ r/min a mode would grow"))
+    expect(panel.get_by_role("progressbar")).to_have_count(0)
+    seen.page.unroute_all()
+    seen.page.get_by_label("Language of the page").select_option("de")
+    said = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Warnungen des Dokuments"))
+    expect(said.get_by_role("listitem")).to_contain_text("würde eine Mode aufklingen (Dämpfungsgrad -")
+    expect(said.get_by_role("listitem")).to_contain_text("stimmen Dämpfung und Kreuzsteifigkeit?")
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.get_by_role("heading", name="Offene Alarme")).to_be_visible()
+    expect(seen.page.locator(".loading")).to_have_count(0)
+    expect(said).to_have_count(0)
+    assert seen.errors == []

@@ -38,6 +38,19 @@ const SAYS_AFTER_MS = 700;
 /** After so long it says what takes so long [s]. */
 const LONG_S = 20;
 
+/** Whether something has been waited for so long that a view says so. */
+export function useSaysThatItWaits(waits: boolean): boolean {
+  const [says, setSays] = useState(false);
+  useEffect(() => {
+    const timer = waits ? window.setTimeout(() => setSays(true), SAYS_AFTER_MS) : undefined;
+    return () => {
+      window.clearTimeout(timer);
+      setSays(false);
+    };
+  }, [waits]);
+  return waits && says;
+}
+
 /** Keep the place of what is being loaded; what takes longer says so, and for how long. */
 export function Loading({ height }: { height: string }) {
   const [seconds, setSeconds] = useState<number | null>(null);

@@ -2,7 +2,7 @@
 
 /** A browser has six connections to a host, one of them holds the events; the service computes one after another anyway. */
 const AT_ONCE = 3;
-const COMPUTED = /^\/identifications\/\d+\/(?:model\/|bode\b)|^\/machines\/[^/]+\/alignment\b/;
+const COMPUTED = /^\/identifications\/\d+\/(?:model\/|bode\b)|^\/machines\/[^/]+\/(?:alignment|stability)\b/;
 
 /** Whether the service may have to compute the resource at a path first. */
 export function isComputed(path: string): boolean {

@@ -395,6 +395,7 @@ export const de: Record<Key, string> = {
   unchangedElementIsAsFar: "ein unverändertes Element liegt in {chance} Läufen so weit weg",
   warningsOfTheDocument: "Warnungen des Dokuments",
   revisionIsUsedAsIt: "Revision {revision} wird verwendet, wie sie ist. Ist das so gemeint?",
+  whetherTheTrainWouldRun: "Ob der Wellenstrang in seinem Drehzahlbereich instabil würde oder ein Zapfen sein Lager berührte:",
   historiesTitle: "{element}: {scope}, Bänder sind 95-%-Vertrauensbereiche",
   singleRuns: "einzelne Läufe",
   pooledRuns: "gemeinsam angepasste Läufe",

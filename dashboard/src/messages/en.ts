@@ -394,6 +394,7 @@ export const en = {
   unchangedElementIsAsFar: "an unchanged element is as far in {chance} runs",
   warningsOfTheDocument: "Warnings of the document",
   revisionIsUsedAsIt: "Revision {revision} is used as it stands. Is this meant?",
+  whetherTheTrainWouldRun: "Whether the train would whirl, or a journal touch its bearing, within its speed range:",
   historiesTitle: "{element}: {scope}, bands are 95 % intervals",
   singleRuns: "single runs",
   pooledRuns: "pooled runs",

@@ -30,6 +30,14 @@ export interface MachineRevision {
   warnings: string[];
 }
 
+/** Whether the train as its document describes it would whirl, or its journals touch, within its speed range. */
+export interface Stability {
+  machine: string;
+  revision: number;
+  /** As those of the revision; none where it would run. */
+  warnings: string[];
+}
+
 export interface OpenRun {
   id: number;
   kind: string;

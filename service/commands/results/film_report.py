@@ -15,7 +15,6 @@ from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_stability import LeastDampedWhirl, least_damped_whirl, whirl_onset
 from estimator.statics.first_touch import first_touch_words
 from estimator.statics.journal_bearing import JournalBearing
-from estimator.statics.whirl_in_range import touching_words, whirl_words
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import UpdatedModel
@@ -119,11 +118,6 @@ def identified_stability(model: UpdatedModel) -> Iterator[str]:
         f"{rad_per_s_to_rpm(found.frequency):.0f} cycles per minute, log decrement {found.log_decrement:.3f} ± "
         f"{CONFIDENCE_95 * found.error:.3f}; API 617 asks for {LEAST_DECREMENT:g}"
     )
-
-
-def film_warning(machine: Machine) -> str:
-    """State that the document describes a train that would touch or whirl within its own speed range; empty where not."""
-    return touching_words(machine) or whirl_words(machine)
 
 
 def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
