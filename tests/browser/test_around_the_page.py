@@ -102,4 +102,4 @@ def test_a_name_that_no_machine_may_have_is_said_to_be_unknown(seen: Seen) -> No
 
 def test_an_unknown_machine_is_said_to_be_unknown(seen: Seen) -> None:
     seen.open("machines/no-such-machine")
-    expect(seen.page.get_by_role("alert")).to_contain_text("no machine no-such-machine")
+    expect(seen.page.get_by_role("alert")).to_have_text("There is no machine “no-such-machine”.")
