@@ -57,7 +57,7 @@ def middle(element: Locator) -> float:
 def test_an_address_that_was_cut_off_still_leads_somewhere(seen: Seen) -> None:
     seen.open("machines/%E0%A4%A")
     expect(seen.page.get_by_role("alert")).to_be_visible()
-    seen.page.get_by_role("link", name="Fleet").click()
+    seen.page.get_by_role("link", name="To the fleet").click()
     expect(seen.page.locator("table.fleet")).to_be_visible()
 
 
