@@ -169,10 +169,10 @@ def _unbalance_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     after = before + change
     quantities = {
         "change_g_mm": 1e6 * abs(change),
-        "change_deg": math.degrees(np.angle(change)),
+        "change_deg": math.degrees(np.angle(change)) % 360.0,
         "before_g_mm": 1e6 * abs(before),
         "after_g_mm": 1e6 * abs(after),
-        "after_deg": math.degrees(np.angle(after)),
+        "after_deg": math.degrees(np.angle(after)) % 360.0,
     }
     part = _magnitude(f"{describe(cause.names[0]).whole}", "g mm", cause, 1e6)
     return ChangeSize(100.0 * abs(change) / max(abs(before), 1e-300), quantities, parts=(part,))

@@ -8,7 +8,7 @@ from typing import Any
 
 from estimator.diagnosis.finding_kind import SizePart
 from service.advice.site_texts import SiteTexts
-from service.advice.urgency import urgency
+from service.advice.urgency import gone, urgency
 from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
 from service.monitoring.rules.drift_rule import RATE_RULE
@@ -20,8 +20,6 @@ from service.wording.language import ENGLISH, Language
 
 logger = logging.getLogger(__name__)
 
-MILLIRADIANS = 1e-3
-"""Milliradians in a microradian."""
 FAULTS_OF_CONTENT = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError)
 """Errors that stored numbers of a form of another release, or none at all, lead to."""
 LARGEST_EXPONENT = 13.8
@@ -33,6 +31,7 @@ class FindingFacts:
     """A finding with its facts, as texts need them.
 
     severity: severity of its alert, None of a diagnosis by itself. measured_at: when the run was measured that shows it last.
+    is_gone: whether its alert's cause is gone.
     """
 
     machine: str
@@ -41,6 +40,7 @@ class FindingFacts:
     evidence: Mapping[str, Any]
     severity: Severity | None
     measured_at: datetime
+    is_gone: bool = False
 
 
 def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
@@ -83,28 +83,27 @@ def _advice(finding: DescribedFinding, facts: FindingFacts, texts: FindingTexts)
         what=filled.what,
         how_far=[_figure(one, finding) for one in described_parts(finding)],
         how_sure=_certainty(finding),
-        how_urgent=urgency(finding, facts.severity, facts.measured_at),
+        how_urgent=gone(finding.language) if facts.is_gone else urgency(finding, facts.severity, facts.measured_at),
         check=list(filled.check),
-        actions=list(_actions(filled, facts.severity)),
+        actions=list(_actions(filled, None if facts.is_gone else facts.severity)),
         confirm=list(filled.confirm),
         not_determined=[*rule.open_questions(finding), *filled.not_determined],
     )
 
 
 def _figure(one: SizePart, finding: DescribedFinding) -> Figure:
-    factor = MILLIRADIANS if one.unit == "urad" else 1.0
-    scaled = {name: None if (value := getattr(one, name)) is None else factor * value for name in ("allowed", "before")}
     return Figure(
         of=one.name,
         words=part_words(one, finding.language),
-        unit="mrad" if one.unit == "urad" else UNITS.get(one.unit, one.unit),
-        value=factor * one.value,
-        lower=factor * one.lower,
-        upper=factor * one.upper,
+        unit=UNITS.get(one.unit, one.unit),
+        value=one.value,
+        lower=one.lower,
+        upper=one.upper,
         sigma=one.sigma,
         runs=finding.runs_of(one),
         parameters=list(one.members),
-        **scaled,
+        allowed=one.allowed,
+        before=one.before,
     )
 
 

@@ -9,7 +9,7 @@ from service.advice.advice import FAULTS_OF_CONTENT, FindingFacts, advice_of, pl
 from service.advice.site_texts import SiteTexts
 from service.alerts.advice_message import Advice
 from service.alerts.event_message import AlertEvent
-from service.alerts.lifecycle import Severity
+from service.alerts.lifecycle import CAUSE_GONE, Severity
 from service.alerts.transitions import SERVICE
 from service.wording.stored_sentences import comment_in_language
 from storage.alerts.alerts import ListedAlert
@@ -86,6 +86,7 @@ def _facts(row: AlertRow | AlertEventRow | ListedAlert, evidence: dict[str, Any]
         evidence=evidence,
         severity=Severity(row.severity),
         measured_at=moment,
+        is_gone=row.state in CAUSE_GONE,
     )
 
 

@@ -21,7 +21,7 @@ from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_catalogue import rule_of_kind
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
-from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
+from service.wording.language import ENGLISH, LANGUAGES, SENTENCES, Language, Locale
 
 OF_ELEMENTS = {element: one.kind for one in FINDING_RULES for element in one.texts_of_elements}
 """Kinds of elements of which a finding has texts of their own, with that finding: a changed seal is found as a bearing."""
@@ -100,18 +100,17 @@ def _parsed(content: Mapping[Any, Any]) -> tuple[Written, list[str]]:
     found: dict[str, Mapping[str, Any]] = {}
     for kind, said in content.items():
         if kind not in KINDS:
-            problems.append(f"{kind}: there is no such finding{did_you_mean(str(kind), KINDS)}; there are {', '.join(KINDS)}")
+            known = f"; there are {', '.join(KINDS)}, and the languages {', '.join(SENTENCES)}"
+            problems.append(f"{kind}: there is no such finding{did_you_mean(str(kind), KINDS)}{known}")
             continue
         wrong = list(_wrong_fields(said))
+        misformed = {where for where, _ in wrong}
+        usable = said.items() if isinstance(said, dict) else ()
+        found[kind] = {name: one if name == "what" else tuple(one) for name, one in usable if str(name) not in misformed}
+        rule = rule_of_kind(OF_ELEMENTS.get(kind, kind))
+        element_kind = kind if kind in OF_ELEMENTS else ""
+        wrong += rule.problems(replace(rule.texts_in(ENGLISH, element_kind), **found[kind]))
         problems += [f"{kind}.{where}: {message}" if where else f"{kind}: {message}" for where, message in wrong]
-        if not wrong:
-            rule = rule_of_kind(OF_ELEMENTS.get(kind, kind))
-            element_kind = kind if kind in OF_ELEMENTS else ""
-            found[kind] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
-            problems += [
-                f"{kind}.{where}: {message}"
-                for where, message in rule.problems(replace(rule.texts_in(ENGLISH, element_kind), **found[kind]))
-            ]
     return found, problems
 
 

@@ -35,6 +35,11 @@ def urgency(finding: DescribedFinding, severity: Severity | None, measured_at: d
     return _until(ahead, _Rate(unit, rate, said), measured_at, language)
 
 
+def gone(language: Language) -> Urgency:
+    """Return that nothing is urgent any more: the cause is gone."""
+    return _answer(language.translate("urgent.gone"), None, (None, None, None))
+
+
 @dataclass(frozen=True)
 class _Rate:
     """A rate a week with the ends of its interval, its unit, and what is said of it."""
@@ -109,7 +114,7 @@ def _weeks(weeks: float, language: Language) -> str:
 
 
 def _answer(
-    words: str, unit: str, rate: tuple[float | None, ...], *, limit: float | None = None, reached: bool = False
+    words: str, unit: str | None, rate: tuple[float | None, ...], *, limit: float | None = None, reached: bool = False
 ) -> Urgency:
     per_week, lower, upper = rate
     return Urgency(

@@ -48,6 +48,8 @@ class Suppression(StrEnum):
 
 ACTIVE = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.ACKNOWLEDGED})
 """Conditions with a present cause."""
+CAUSE_GONE = frozenset(one.value for one in AlertCondition if one not in ACTIVE)
+"""Visible states of alerts whose cause is gone; a suppression hides whether it is."""
 LATCHED = frozenset({AlertCondition.LATCHED_UNACKNOWLEDGED, AlertCondition.LATCHED_ACKNOWLEDGED})
 CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, AlertCondition.LATCHED_UNACKNOWLEDGED})
 """Conditions that wait for an acknowledgement."""

@@ -61,7 +61,7 @@ class Alertmanager:
             },
             "annotations": _annotations(event, self.language),
             "startsAt": event.opened_at.isoformat(),
-            "generatorURL": f"{self.public_url}/api/v1/alerts/{event.alert}",
+            "generatorURL": f"{self.public_url}/#/alerts/{event.alert}",
         }
         return alert if ended is None else alert | {"endsAt": ended.isoformat()}
 

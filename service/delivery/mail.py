@@ -70,10 +70,10 @@ def compose_mail(settings: Settings, target: str, message: EventMessage, languag
     mail = EmailMessage()
     mail["From"] = settings.smtp_sender
     mail["To"] = target
-    rule = finding_name(event.rule, language)
+    rule, element = finding_name(event.rule, language), language.element(event.element)
     severity, state, kind = (language.named(one) for one in (event.severity, event.state, event.kind))
     mail["Subject"] = language.translate(
-        "mail.subject", severity=severity, machine=event.machine, element=event.element, rule=rule, state=state
+        "mail.subject", severity=severity, machine=event.machine, element=element, rule=rule, state=state
     )
     mail["Message-ID"] = f"<{event_id(message)}@{domain}>"
     mail["In-Reply-To"] = mail["References"] = f"<alert-{event.alert}@{domain}>"
@@ -81,7 +81,7 @@ def compose_mail(settings: Settings, target: str, message: EventMessage, languag
     before = language.named(event.state_before)
     facts = [
         ("machine", f"{message.plant}/{event.machine}"),
-        ("element", event.element),
+        ("element", element),
         ("state", language.translate("mail.changed", before=before, now=state, kind=kind, by=event.by, at=at)),
         ("severity", severity),
         ("open_since", f"{event.opened_at:%Y-%m-%d %H:%M:%S} UTC"),
@@ -91,7 +91,7 @@ def compose_mail(settings: Settings, target: str, message: EventMessage, languag
     if event.advice is not None:
         lines += ["", *advice_lines(event.advice, language)]
     if settings.public_url:
-        places = f"#/machines/{event.machine}", f"api/v1/alerts/{event.alert}"
+        places = f"#/alerts/{event.alert}", f"#/machines/{event.machine}"
         lines += ["", *(f"{settings.public_url}/{one}" for one in places)]
     mail.set_content("\n".join(lines) + "\n")
     return mail

@@ -14,7 +14,7 @@ from service.wording.finding_words import rounded
 from service.wording.language import Language
 from service.wording.stored_sentences import in_language
 
-MICRO = 1e6
+MICRO, MILLI = 1e6, 1e3
 LEAST_CHANCE, MOST_CHANCE = 1, 99
 """Chances that are told as a number [%]: none is certain, and none impossible."""
 ALIGNMENT_COLUMNS = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
@@ -49,8 +49,7 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
 def alignment_row(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     """Return the cells of a change of an offset or an angle, in the order of `ALIGNMENT_COLUMNS`."""
     said = describe(one.name)
-    unit = language.length_unit if one.unit == "m" else f"µ{one.unit}"
-    scale = language.in_length_unit(MICRO) if one.unit == "m" else MICRO
+    unit, scale = (language.length_unit, language.in_length_unit(MICRO)) if one.unit == "m" else ("mrad", MILLI)
     allowed = f"{rounded(scale * one.allowed, 2, language)} {unit}"
     quantity = language.named(said.quantity)
     if one.value is None:

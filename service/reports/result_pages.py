@@ -22,7 +22,7 @@ from service.reports.page_parts import captioned, figures, muted, section, shown
 from service.reports.response_curves import MICROMETRES_PP, measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
-from service.wording.finding_words import rounded
+from service.wording.finding_words import rounded, whole_degrees
 from service.wording.parameter_words import parameter_words
 from service.wording.stored_sentences import in_language
 
@@ -101,8 +101,10 @@ def _channels(contents: ReportContents, fit: ReportedFit) -> list[int]:
     places = {f"coupling.{one.id}": begins[one.driven] for one in machine.couplings}
     for kind, parts in (("bearing", machine.bearings), ("disc", machine.discs), ("seal", machine.seals)):
         places |= {f"{kind}.{one.id}": begins[one.shaft] + one.station for one in parts}
-    alerted = [places[one.last.element] for one in contents.open_alerts if one.last.element in places][:1]
     probes = [begins[one.shaft] + one.station for one in machine.probes]
+    places |= {f"pedestal.{one.id}": places[f"bearing.{one.bearing}"] for one in machine.pedestals}
+    places |= {f"probe.{one.id}": place for one, place in zip(machine.probes, probes, strict=True)}
+    alerted = [places[one.last.element] for one in contents.open_alerts if one.last.element in places][:1]
     order = sorted(range(len(probes)), key=lambda number: abs(probes[number] - alerted[0]) if alerted else number)
     return order[:MOST_CHANNELS]
 
@@ -163,7 +165,7 @@ def _proposal(contents: ReportContents, one: Identified) -> str:
     found = balance(one.model, planes=[disc.id for disc in one.machine.discs], speed=speed)
     before, after = float(np.abs(found.before.value).max()), float(found.after.upper.max())
     rows = [
-        (plane, f"{rounded(MILLIMETRES_GRAM * abs(mass), 3, language)} g mm", f"{np.degrees(np.angle(mass)) % 360.0:.0f}°")
+        (plane, f"{rounded(MILLIMETRES_GRAM * abs(mass), 3, language)} g mm", f"{whole_degrees(np.degrees(np.angle(mass)))}°")
         for plane, mass in zip(found.planes, found.unbalance.tolist(), strict=True)
     ]
     said = {"before": before, "after": after}
@@ -172,5 +174,6 @@ def _proposal(contents: ReportContents, one: Identified) -> str:
         unit=contents.units.amplitude_label(),
         **{name: rounded(contents.units.amplitude_factor() * one / MICROMETRES_PP, 3, language) for name, one in said.items()},
     )
-    heads = [language.translate(f"report.{one}") for one in ("plane", "correction", "angle")]
+    sense = "positive" if one.direction > 0 else "negative"
+    heads = [language.translate(f"report.{head}") for head in ("plane", "correction", f"angle.{sense}")]
     return table(heads, rows) + muted(told)

@@ -10,7 +10,7 @@ WIDTH, MOST_HEIGHT = 630.0, 150.0
 """Largest size of the picture of the train itself [px]."""
 SMALLEST_DISC = 0.012
 """Least width of a disc that is drawn, as a part of the train's length [-]."""
-ROOM = 20.0
+ROOM = 22.0
 """Room above and below for names [px]."""
 SHAFT, DISC = "#c9ced6", "#8aa4c0"
 TALL = 1.0
@@ -25,15 +25,13 @@ def train_figure(machine: Machine, marked: Iterable[str]) -> str:
     radius = max(_radii(machine, length))
     tall = min(scale, TALL * MOST_HEIGHT / 2.0 / radius)
     half = max(radius * tall, 14.0)
-    parts = [*_shafts(machine, begins, scale, tall), *_discs(machine, begins, scale, tall, wrong)]
+    parts = [*_shafts(machine, begins, scale, tall, wrong), *_discs(machine, begins, scale, tall, wrong)]
     parts += _supports(machine, begins, scale, half, wrong)
     for coupling in machine.couplings:
         at, colour = begins[coupling.driven] * scale, _colour(f"coupling.{coupling.id}", wrong)
         parts.append(segment(at, -half, at, half, colour, width=3.0))
         parts.append(label(at, -half - 4, coupling.id, colour=colour))
-    for probe in machine.probes:
-        at = (begins[probe.shaft] + probe.station) * scale
-        parts.append(segment(at, -half - 2, at, -half + 5, MEASURED, width=1.2))
+    parts += _probes(machine, begins, scale, half, wrong)
     height = 2.0 * (half + ROOM)
     return svg("".join(parts), WIDTH + 20.0, height, left=-10.0, top=-height / 2.0)
 
@@ -43,11 +41,21 @@ def _radii(machine: Machine, length: float) -> list[float]:
     return sections + [disc_body(disc).radius or 0.05 * length for disc in machine.discs]
 
 
-def _shafts(machine: Machine, begins: Mapping[str, float], scale: float, tall: float) -> Iterable[str]:
+def _probes(machine: Machine, begins: Mapping[str, float], scale: float, half: float, wrong: frozenset[str]) -> Iterable[str]:
+    """Yield a stroke for each probe, those with an alert last and named: others at their place must not hide them."""
+    for probe in sorted(machine.probes, key=lambda one: f"probe.{one.id}" in wrong):
+        at = (begins[probe.shaft] + probe.station) * scale
+        is_wrong = f"probe.{probe.id}" in wrong
+        yield segment(at, -half - 2, at, -half + 5, MARKED if is_wrong else MEASURED, width=1.2)
+        if is_wrong:
+            yield label(at, -half - 12, probe.id, colour=MARKED)
+
+
+def _shafts(machine: Machine, begins: Mapping[str, float], scale: float, tall: float, wrong: frozenset[str]) -> Iterable[str]:
     for shaft in machine.shafts:
-        at = begins[shaft.id]
+        at, colour = begins[shaft.id], MARKED if f"shaft.{shaft.id}" in wrong else SHAFT
         for section in shaft.sections:
-            yield _block(at * scale, section.length * scale, max(section.outer_diameter / 2.0 * tall, 1.0), SHAFT)
+            yield _block(at * scale, section.length * scale, max(section.outer_diameter / 2.0 * tall, 1.0), colour)
             at += section.length
 
 
@@ -73,6 +81,11 @@ def _supports(
             filled = colour if kind == "bearing" else "none"
             yield f'<polygon points="{triangle}" fill="{filled}" stroke="{colour}" stroke-width="0.8"/>'
             yield label(at, half + 12, one.id, colour=colour)
+            pedestal = machine.pedestal_of(one.id) if kind == "bearing" else None
+            if pedestal is not None:
+                base = _colour(f"pedestal.{pedestal.id}", wrong)
+                yield segment(at - 8, half + 2, at + 8, half + 2, base, width=2.0)
+                yield label(at, half + 19, pedestal.id, colour=base) if base == MARKED else ""
 
 
 def _block(left: float, width: float, half: float, colour: str) -> str:

@@ -8,6 +8,9 @@ from estimator.diagnosis.finding_kind import SizePart
 from estimator.machine.parameter_description import describe
 from service.wording.language import ENGLISH, Language
 
+MILLIRADIANS = 1e-3
+"""Milliradians in a microradian: angles are told in these, as people who align write them."""
+
 
 @dataclass(frozen=True)
 class DescribedFinding:
@@ -46,18 +49,20 @@ class DescribedFinding:
         """Return whether its size is an alignment on oil films."""
         return "allowed_at_rpm" in self.quantities
 
-    def parts(self) -> Iterator[SizePart]:
-        """Yield the figures of its size, lengths in the reader's unit; none of what an older release has stored."""
+    def stored_parts(self) -> Iterator[SizePart]:
+        """Yield the figures of its size in the units that are stored; none of what an older release has stored."""
         for one in self.evidence.get("parts") or ():
-            part = SizePart(**(one | {"members": tuple(one["members"])}))
-            other = part.unit == "um" and self.language.length_unit != "µm"
-            yield self._in_length_unit(part) if other else part
+            yield SizePart(**(one | {"members": tuple(one["members"])}))
 
-    def _in_length_unit(self, part: SizePart) -> SizePart:
-        names = ("value", "lower", "upper", "allowed", "before")
-        told = {name: getattr(part, name) for name in names}
-        scaled = {name: None if one is None else self.language.in_length_unit(one) for name, one in told.items()}
-        return replace(part, unit=self.language.length_unit, **scaled)  # type: ignore[arg-type]
+    def parts(self) -> Iterator[SizePart]:
+        """Yield the same figures as they are told: lengths in the reader's unit, angles in mrad."""
+        for part in self.stored_parts():
+            if part.unit == "urad":
+                yield _scaled(part, MILLIRADIANS, unit="mrad")
+            elif part.unit == "um" and self.language.length_unit != "µm":
+                yield _scaled(part, self.language.in_length_unit(1.0), unit=self.language.length_unit)
+            else:
+                yield part
 
     def elements_in_per_cent(self) -> set[str]:
         """Return the elements whose figures are in per cent."""
@@ -72,3 +77,9 @@ class DescribedFinding:
     def is_tellable(self) -> bool:
         """Return whether the evidence has the numbers that texts name; those of the first releases have not."""
         return "since" in self.evidence and "quantities" in self.evidence
+
+
+def _scaled(part: SizePart, factor: float, *, unit: str) -> SizePart:
+    told = {name: getattr(part, name) for name in ("value", "lower", "upper", "allowed", "before")}
+    scaled = {name: None if one is None else factor * one for name, one in told.items()}
+    return replace(part, unit=unit, **scaled)  # type: ignore[arg-type]

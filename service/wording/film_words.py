@@ -7,6 +7,7 @@ import scipy.special
 from estimator.fit.decimals import decimals, signed_with_half
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
+from service.wording.described_finding import MILLIRADIANS
 from service.wording.language import ENGLISH, Language
 
 BEYOND = 0.95
@@ -111,9 +112,9 @@ def _angles(q: Numbers, language: Language) -> Iterator[str]:
         if value is not None and abs(value) > half:
             yield language.translate(
                 "angle.told",
-                value=shown(abs(value), half, language),
+                value=shown(MILLIRADIANS * abs(value), MILLIRADIANS * half, language),
                 direction=_direction("angle", plane, value, language),
-                allowed=q[f"angle_{plane}_allowed_urad"],
+                allowed=MILLIRADIANS * q[f"angle_{plane}_allowed_urad"],
             )
 
 

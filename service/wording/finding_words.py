@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from estimator.diagnosis.finding_kind import SizePart
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
-from service.wording.described_finding import DescribedFinding
+from service.wording.described_finding import MILLIRADIANS, DescribedFinding
 from service.wording.film_words import (
     alignment_judgement,
     alignment_words,
@@ -20,7 +20,7 @@ from service.wording.parameter_words import parameter_words, quantity_words
 
 SIGNIFICANT = 2.0
 """Standard errors from which on a figure beside the first is named [-]."""
-UNITS = {"um": "µm", "urad": "µrad", "g mm": "g·mm", "deg": "°", "times": "times"}
+UNITS = {"um": "µm", "g mm": "g·mm", "deg": "°", "times": "times"}
 """Units as people write them."""
 DIGITS = 3
 """Significant digits of a figure without interval."""
@@ -101,7 +101,8 @@ def unbalance_words(finding: DescribedFinding) -> Mapping[str, str]:
     q, parts, language = finding.quantities, list(finding.parts()), finding.language
     change = interval(parts[0], language) if parts else f"{rounded(q['change_g_mm'], DIGITS, language)} g·mm"
     before, after = (rounded(q[name], DIGITS, language) for name in ("before_g_mm", "after_g_mm"))
-    return {"size": language.translate("size.unbalance", change=change, angle=q["change_deg"], before=before, after=after)}
+    angle = whole_degrees(q["change_deg"])
+    return {"size": language.translate("size.unbalance", change=change, angle=angle, before=before, after=after)}
 
 
 def sensor_words(finding: DescribedFinding) -> Mapping[str, str]:
@@ -126,10 +127,10 @@ def coupling_run_out_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the change of a coupling's run-out at bore and face, each with its angle."""
     q, language = finding.quantities, finding.language
     parts = [
-        language.translate(f"size.{what}", size=size, angle=q[f"{name}_deg"])
+        language.translate(f"size.{what}", size=size, angle=whole_degrees(q[f"{name}_deg"]))
         for what, name, size in (
             ("bore", "offset", _rounded_length(q["offset_um"], language) if "offset_um" in q else None),
-            ("face", "angle", f"{rounded(q['angle_urad'], 2, language)} µrad" if "angle_urad" in q else None),
+            ("face", "angle", f"{rounded(MILLIRADIANS * q['angle_urad'], 2, language)} mrad" if "angle_urad" in q else None),
         )
         if size is not None
     ]
@@ -233,6 +234,11 @@ def interval(one: SizePart, language: Language = ENGLISH) -> str:
 def _decimals(half: float) -> int:
     """Return the decimals with which a figure is as sharp as half its interval; an interval of nothing has three."""
     return 3 if half <= 0.0 else min(9, max(0, -math.floor(math.log10(half))))
+
+
+def whole_degrees(angle: float) -> int:
+    """Return an angle [°] to a degree, from 0 to 359."""
+    return round(angle) % 360
 
 
 def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:

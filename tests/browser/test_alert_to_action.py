@@ -133,4 +133,4 @@ def test_a_later_alert_does_not_change_which_probes_are_looked_at(seen: Seen, se
 
 def test_an_alert_that_is_not_there_leads_back(seen: Seen) -> None:
     seen.open("alerts/999999")
-    expect(seen.page.get_by_role("alert")).to_contain_text("no alert 999999")
+    expect(seen.page.get_by_role("alert")).to_have_text("There is no alert “999999”.")

@@ -57,7 +57,7 @@ def middle(element: Locator) -> float:
 def test_an_address_that_was_cut_off_still_leads_somewhere(seen: Seen) -> None:
     seen.open("machines/%E0%A4%A")
     expect(seen.page.get_by_role("alert")).to_be_visible()
-    seen.page.get_by_role("link", name="Fleet").click()
+    seen.page.get_by_role("link", name="To the fleet").click()
     expect(seen.page.locator("table.fleet")).to_be_visible()
 
 
@@ -102,4 +102,4 @@ def test_a_name_that_no_machine_may_have_is_said_to_be_unknown(seen: Seen) -> No
 
 def test_an_unknown_machine_is_said_to_be_unknown(seen: Seen) -> None:
     seen.open("machines/no-such-machine")
-    expect(seen.page.get_by_role("alert")).to_contain_text("no machine no-such-machine")
+    expect(seen.page.get_by_role("alert")).to_have_text("There is no machine “no-such-machine”.")

@@ -178,3 +178,22 @@ def test_days_and_times_of_fields_have_the_page_s_form(german: Seen) -> None:
     until.fill("2030-01-01 06:00")
     assert until.evaluate("one => one.validationMessage") == ""
     assert german.errors == []
+
+
+def test_keys_lead_where_they_do_in_english(german: Seen) -> None:
+    german.open()
+    expect(german.page.locator("table.fleet")).to_be_visible()
+    for key, place in (("a", "alerts"), ("w", "subscriptions"), ("f", "")):
+        german.page.keyboard.press(key)
+        expect(german.page).to_have_url(f"{german.base}/#/{place}")
+
+
+def test_what_an_address_names_and_there_is_not_is_said_with_the_way_back(german: Seen) -> None:
+    for place, words, back in (
+        ("alerts/999999", "Einen Alarm „999999“ gibt es nicht.", "Alle Alarme"),
+        ("alerts/abc", "Einen Alarm „abc“ gibt es nicht.", "Alle Alarme"),
+        ("reports/none", "Eine Maschine „none“ gibt es nicht.", "Zum Maschinenpark"),
+    ):
+        german.open(place)
+        expect(german.page.get_by_role("alert")).to_have_text(words)
+        expect(german.page.locator("main").get_by_role("link", name=back)).to_be_visible()

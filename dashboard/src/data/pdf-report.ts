@@ -33,11 +33,17 @@ export function usePrinting(): Printing {
       if (!response.ok) throw new Error(await problemText(response));
       onPrinted(await response.blob());
     } catch (error) {
-      if (!own.signal.aborted) setFailure(error instanceof Error && error.name !== "TimeoutError" ? error.message : t("notPrintedWithin", { seconds: TIMEOUT_MS / 1000 }));
+      if (!own.signal.aborted) setFailure(failureText(error));
     } finally {
       window.clearInterval(clock);
       if (!own.signal.aborted) setSeconds(null);
     }
   };
   return { seconds, failure, start };
+}
+
+/** Why nothing was printed; a request without any answer fails with a TypeError, in the browser's words. */
+function failureText(error: unknown): string {
+  if (error instanceof TypeError) return t("theServiceDoesNotAnswer");
+  return error instanceof Error && error.name !== "TimeoutError" ? error.message : t("notPrintedWithin", { seconds: TIMEOUT_MS / 1000 });
 }

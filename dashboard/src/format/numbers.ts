@@ -39,6 +39,7 @@ export function scaleOf(largest: number, unit: string, { speed, length } = USUAL
   if (unit === "kg m") return { factor: 1e6, unit: "g·mm" };
   if (unit === "" || unit === "-" || unit === "1") return { factor: 1, unit: "" };
   if (unit === "m") return { factor: 1e6 * length.factor, unit: length.label };
+  if (unit === "rad") return { factor: 1e3, unit: "mrad" };
   if (unit === "kg") return { factor: 1, unit };
   if (unit === "rad/s") return { factor: (speed.factor * 30) / Math.PI, unit: speed.label };
   const size = Math.abs(largest);

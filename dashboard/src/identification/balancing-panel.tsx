@@ -41,7 +41,7 @@ function Corrections({ found }: { found: Balancing }) {
             <tr key={one.plane}>
               <td>{one.plane}</td>
               <td class="number">{number(one.unbalance_g_mm)} g·mm</td>
-              <td class="number">{Math.round(one.angle_deg)}°</td>
+              <td class="number">{Math.round(one.angle_deg) % 360}°</td>
             </tr>
           ))}
         </tbody>

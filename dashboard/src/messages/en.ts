@@ -655,6 +655,7 @@ export const en = {
   pages: "Pages",
   whoIsNotifiedOfAlerts: "Who is notified of alerts",
   thereIsNoMachine: "There is no machine “{machine}”.",
+  thereIsNoAlert: "There is no alert “{alert}”.",
   noSuchPage: "No such page",
   toTheFleet: "To the fleet",
   unitsOfVibrationAndSpeed: "Units of vibration and speed",

@@ -1,6 +1,7 @@
 // One alert on one page: what it says and what to do, the train, the trends of what changed, the response beside it.
 import { link } from "../browser/router";
 import { Loaded } from "../components/loading";
+import { MissingAlert } from "../components/missing";
 import { Panel } from "../components/panel";
 import { useLastComplete } from "../data/last-complete";
 import { useDeviations } from "../data/machine-deviations";
@@ -23,10 +24,13 @@ import { RunResponse } from "../identification/run-response";
 
 /** Trends shown beside an alert: those that moved most. */
 const MOST_TRENDS = 4;
+const NUMBER = /^\d{1,15}$/;
 
 export function AlertPage({ id }: { id: string }) {
-  const result = useResource<Alert>(`/alerts/${id}`, 10_000);
+  const isNumber = NUMBER.test(id);
+  const result = useResource<Alert>(isNumber ? `/alerts/${id}` : null, 10_000);
   const machine = useResource<MachineRevision>(result.data ? `/machines/${result.data.machine}` : null);
+  if (!isNumber || result.failure?.status === 404) return <MissingAlert id={id} />;
   return (
     <Loaded result={result} lines={20}>
       {(alert) => (

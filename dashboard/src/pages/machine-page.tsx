@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 import { link } from "../browser/router";
 import { ErrorBoundary } from "../components/error-boundary";
 import { Loaded } from "../components/loading";
+import { MissingMachine } from "../components/missing";
 import { Empty } from "../components/panel";
 import { openAlertsPath } from "../data/open-alerts";
 import { prefetch, useResource } from "../data/resource";
@@ -27,6 +28,7 @@ export function MachinePage({ id, tab }: { id: string; tab: string }) {
     if (tab === "overview") prefetch(`/machines/${id}/drawing`, openAlertsPath(id));
   });
   const result = useResource<MachineRevision>(`/machines/${id}`);
+  if (result.failure?.status === 404) return <MissingMachine id={id} />;
   return (
     <Loaded result={result} lines={20}>
       {(found) => (

@@ -4,6 +4,7 @@ import { link, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { setPrintColours } from "../browser/theme";
 import { Loaded } from "../components/loading";
+import { MissingMachine } from "../components/missing";
 import { Empty, Panel } from "../components/panel";
 import { PdfButton } from "../components/pdf-button";
 import { PeriodFields } from "../components/period-fields";
@@ -32,6 +33,7 @@ export function ReportPage({ id }: { id: string }) {
     return () => setPrintColours(false);
   }, []);
   const result = useResource<MachineRevision>(`/machines/${id}`);
+  if (result.failure?.status === 404) return <MissingMachine id={id} />;
   return (
     <Loaded result={result} lines={20}>
       {({ document, revision }) => <Report machine={document} revision={revision} />}

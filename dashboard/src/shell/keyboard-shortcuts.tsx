@@ -39,7 +39,7 @@ function follow(key: string): void {
   const tab = TABS[Number(key) - 1];
   const { parts } = route.value;
   if (key === "f") navigate([]);
-  else if (key === "a") navigate([t("shortcutAlerts")]);
+  else if (key === "a") navigate(["alerts"]);
   else if (key === "w") navigate(["subscriptions"]);
   else if (key === "d") chooseTheme(themeChoice.value === "dark" ? "light" : "dark");
   else if (tab && parts[0] === "machines" && parts[1]) navigate(["machines", parts[1], tab.id]);

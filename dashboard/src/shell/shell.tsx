@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { link, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { ErrorBoundary } from "../components/error-boundary";
+import { MissingMachine } from "../components/missing";
 import { connection } from "../data/connection";
 import { t } from "../messages/messages";
 import { AlertPage } from "../pages/alert-page";
@@ -88,11 +89,11 @@ function Navigation({ first }: { first: string | undefined }) {
 function Page({ parts }: { parts: string[] }) {
   const [first, machine, tab] = parts;
   if (first === undefined) return <FleetPage />;
-  if (first === "alerts" && machine !== undefined) return <AlertPage key={machine} id={encodeURIComponent(machine)} />;
+  if (first === "alerts" && machine !== undefined) return <AlertPage key={machine} id={machine} />;
   if (first === "alerts") return <AlertsPage />;
   if (first === "wall") return <WallPage />;
   if (first === "subscriptions") return <NotificationsPage />;
-  if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">{t("thereIsNoMachine", { machine: encodeURIComponent(machine) })}</p>;
+  if (machine !== undefined && !MACHINE.test(machine)) return <MissingMachine id={encodeURIComponent(machine)} />;
   if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;
   if (first === "reports" && machine) return <ReportPage key={machine} id={machine} />;
   return (

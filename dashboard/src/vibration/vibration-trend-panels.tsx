@@ -180,9 +180,12 @@ function vectorCurves(probe: ProbeTrend, style: number, unit: Unit): PolarCurve[
   return [points, arrow];
 }
 
+/** Of the runs that have a vector at this probe: of one without, nothing is said. */
 function regionText({ within, regions }: ProbeTrend): string {
   if (regions.length === 0) return t("noRegionYetTheBaseline");
-  const outside = within.filter((one) => one === false).length;
-  const newest = within.at(-1) === false ? t("theNewestRunLiesOutside") : t("theNewestRunLiesWithin");
-  return outside > 0 ? t("runsOutside", { newest, outside, all: within.length }) : newest;
+  const known = within.filter((one) => one !== null);
+  if (known.length === 0) return t("noGoodValue");
+  const outside = known.filter((one) => !one).length;
+  const newest = known.at(-1) ? t("theNewestRunLiesWithin") : t("theNewestRunLiesOutside");
+  return outside > 0 ? t("runsOutside", { newest, outside, all: known.length }) : newest;
 }

@@ -38,7 +38,9 @@ export function deviationText(one: ParameterDeviation): string {
   return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? t("ofDirectTerms") : ""} (${sigma})`;
 }
 
-const SIZE_UNITS: Record<string, string> = { urad: "µrad", "g mm": "g·mm", "N m": "N·m" };
+const SIZE_UNITS: Record<string, string> = { "g mm": "g·mm", "N m": "N·m" };
+/** Angles are told in milliradians everywhere, from microradians. */
+const MILLIRADIANS: ShownUnit = { label: "mrad", factor: 1e-3 };
 
 /** What an element has changed by as a whole, as its alert says it; null where no diagnosis says that it has. length: unit of lengths. */
 export function togetherText(deviations: Deviations, element: string, length: ShownUnit): string | null {
@@ -49,8 +51,9 @@ export function togetherText(deviations: Deviations, element: string, length: Sh
 }
 
 function sizeText({ name, unit, value, lower, upper, runs }: ElementSize, length: ShownUnit): string {
-  const signed = (one: number) => `${one > 0 ? "+" : ""}${number(unit === "um" ? one * length.factor : one, 2)}`;
-  const told = t("sizeWithInterval", { value: signed(value), unit: unit === "um" ? length.label : (SIZE_UNITS[unit] ?? unit), lower: signed(lower), upper: signed(upper) });
+  const { factor, label } = unit === "um" ? length : unit === "urad" ? MILLIRADIANS : { factor: 1, label: SIZE_UNITS[unit] ?? unit };
+  const signed = (one: number) => `${one > 0 ? "+" : ""}${number(one * factor, 2)}`;
+  const told = t("sizeWithInterval", { value: signed(value), unit: label, lower: signed(lower), upper: signed(upper) });
   const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: told }) : `${parameterName(name)} ${told}`;
   return runs !== null && runs > 1 ? t("meanOfNewestRuns", { size, runs }) : size;
 }

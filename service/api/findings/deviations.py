@@ -208,7 +208,7 @@ def _together(session: Session, row: IdentificationRow) -> dict[str, list[MeanSi
     found: dict[str, list[MeanSizeOut]] = {}
     for cause in [] if diagnosis is None else diagnosis.causes:
         finding = DescribedFinding(cause["kind"], cause["element"], cause)
-        for part in finding.parts():
+        for part in finding.stored_parts():
             size = MeanSizeOut(**asdict(part) | {"members": list(part.members), "runs": finding.runs_of(part)})
             found.setdefault(element_of(part.name), []).append(size)
     return found

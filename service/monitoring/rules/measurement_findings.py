@@ -88,7 +88,7 @@ MEASUREMENT_FINDINGS: tuple[FindingRule, ...] = (
                 "{compared}, since {since}",
                 check=(
                     "Residuals of the newest identification: one channel, one speed range, or everywhere",
-                    "What was changed at the machine, its instruments or its document at {since}",
+                    "What was changed at the machine, its instruments or its document on {since}",
                 ),
                 in_operation=(
                     "Compare 1× with a run from before {since} by eye, and judge the machine by its vibration limits",

@@ -186,8 +186,8 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
         {"de": "zu hohe Lagerlast"},
         {
             "en": FindingTexts(
-                what="Bearing {id} carries more than 5 MPa of its area, the most that white metal takes (ISO 7902-3), "
-                "{compared}, since {since}",
+                what="Bearing {id} carries more than 5 MPa of its projected area, the most that white metal takes "
+                "(ISO 7902-3), {compared}, since {since}",
                 check=("Metal temperature of bearing {id} now, and its alarm limit",),
                 in_operation=("Reduce load where operations can; watch the metal temperature of bearing {id} in every shift",),
                 at_next_stop=("Measure the alignment beside bearing {id} and its elevation; look at its white metal",),
@@ -195,8 +195,8 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
                 not_determined=("By how much bearing {id} is beyond that",),
             ),
             "de": FindingTexts(
-                what="Lager {id} trägt mehr als 5 MPa seiner Fläche, das Höchste, was Weißmetall verträgt (ISO 7902-3), "
-                "{compared}, seit {since}",
+                what="Lager {id} trägt mehr als 5 MPa, bezogen auf seine projizierte Fläche: das Höchste, was Weißmetall "
+                "verträgt (ISO 7902-3), {compared}, seit {since}",
                 check=("Metalltemperatur von Lager {id} jetzt, und ihr Alarmgrenzwert",),
                 in_operation=(
                     "Last verringern, wo der Betrieb es kann; Metalltemperatur von Lager {id} in jeder Schicht beobachten",

@@ -39,7 +39,7 @@ ROTOR_FINDINGS: tuple[FindingRule, ...] = (
                 what="The unbalance of disc {id} has changed by {size}, {compared}, since {since}",
                 check=(
                     "Whether 1× changed at once or slowly at the probes of disc {id}: a part lost, or deposits and erosion",
-                    "What changed at {since}: a start, a trip, a wash, a load, a temperature",
+                    "What changed on {since}: a start, a trip, a wash, a load, a temperature",
                 ),
                 in_operation=("Where it came at once, treat it as a part lost until shown otherwise (common practice)",),
                 at_next_stop=(
@@ -89,7 +89,7 @@ ROTOR_FINDINGS: tuple[FindingRule, ...] = (
                 what="The run-out of coupling {id} has changed, {size}: it turns with the shaft, whatever the speed, "
                 "{compared}, since {since}",
                 check=(
-                    "What was done at coupling {id} at {since}: hubs fitted anew, bolts, spacer or marks that do not match",
+                    "What was done at coupling {id} on {since}: hubs fitted anew, bolts, spacer or marks that do not match",
                 ),
                 in_operation=(TAKE_RUN_DOWN,),
                 at_next_stop=(

@@ -2,6 +2,7 @@
 is."""
 
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -97,6 +98,20 @@ def test_where_no_time_can_be_given_that_is_said(progress: Any, severity: Severi
     urgent = told("coupling", "coupling.C1", severity, parts=[PART], progress=progress).how_urgent
     assert urgent.weeks is None
     assert re.match(words, urgent.words), urgent.words
+
+
+@pytest.mark.parametrize(("language", "words"), [(ENGLISH, "Its cause is gone"), (GERMAN, "Die Ursache ist entfallen")])
+def test_nothing_is_urgent_once_the_cause_is_gone(language: Language, words: str) -> None:
+    """Otherwise a mail that an alert is over says that its danger limit is reached, and to agree on a stop now."""
+    evidence = EVIDENCE | {"parts": [PART], "progress": GROWING}
+    facts = FindingFacts("pump-7", "coupling", "coupling.C1", evidence, Severity.DANGER, MEASURED)
+    for is_gone in (False, True):
+        one = advice_of(replace(facts, is_gone=is_gone), SiteTexts(language=language))
+        assert one is not None
+        assert one.how_urgent.words.startswith(words) == is_gone
+        assert one.how_urgent.reached != is_gone
+        assert any(action.opportunity == "now" for action in one.actions) != is_gone
+        assert one.how_far  # what was found stays
 
 
 def test_the_size_of_several_elements_is_told_as_their_mean() -> None:

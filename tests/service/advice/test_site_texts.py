@@ -53,6 +53,7 @@ def test_a_seal_has_texts_of_its_own(tmp_path: Path) -> None:
         ('misalignment: {check: ["bei {id"]}', r"misalignment\.check\[0\]: is no text with places"),
         ('misalignement: {check: ["a"]}', r"misalignement: there is no such finding; did you mean 'misalignment' "),
         ('wear: {chek: ["a"]}', r"wear\.chek: there is no such text; did you mean 'check'\?"),
+        ('fr: {wear: {check: ["a"]}}', r"fr: there is no such finding.*, and the languages en, de"),
         ("wear: {check: []}", r"wear\.check: must be a list of 1 to 12 texts"),
         ("wear: {check: look}", r"wear\.check: must be a list"),
         ("wear: {what: [a]}", r"wear\.what: must be one text"),
@@ -75,6 +76,14 @@ def test_every_wrong_text_is_named_at_once(tmp_path: Path) -> None:
     with pytest.raises(TextsWrong) as raised:
         read_texts(written(tmp_path, text))
     assert all(one in str(raised.value) for one in ("check[0]", "check[1]", "wear.what: needs {id}", "rubs: there is no"))
+
+
+def test_a_wrong_place_is_named_beside_a_misspelt_name_of_the_same_finding(tmp_path: Path) -> None:
+    text = 'wear: {chek: ["a"], confirm: [], check: ["{sped}"], what: "worn"}'
+    with pytest.raises(TextsWrong) as raised:
+        read_texts(written(tmp_path, text))
+    named = ("wear.chek: there is no", "wear.confirm: must be", "wear.check[0]: {sped}", "wear.what: needs {id}, {size}")
+    assert [one for one in named if one not in str(raised.value)] == []
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -461,9 +461,9 @@ def test_a_mail_says_what_happened(plant: Database, found: IdentificationRow, ne
     assert mail.rcpt_tos == ["anna@plant.example", "ben@plant.example"]
     assert isinstance(mail.content, bytes)
     said = mail.content.decode()
-    assert "Subject: [alert] pump-7 coupling.C1: misalignment unacknowledged" in said
+    assert "Subject: [alert] pump-7 coupling C1: misalignment unacknowledged" in said
     assert f"Message-ID: <alert-{alert}-1@localhost>" in said
-    assert f"http://rundown:8080/api/v1/alerts/{alert}" in said
+    assert f"http://rundown:8080/#/alerts/{alert}" in said
     assert "Misalignment of coupling C1" in said
 
 

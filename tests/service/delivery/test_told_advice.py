@@ -8,7 +8,7 @@ from service.delivery.channel import EventMessage
 from service.delivery.cloud_event import cloud_event
 from service.delivery.mail import compose_mail
 from service.delivery.messages import trial_message
-from service.wording.language import GERMAN
+from service.wording.language import ENGLISH, GERMAN
 from tests.service.advice.test_advice import AHEAD, GROWING, PART, told
 from tests.service.delivery.receivers import settings
 
@@ -23,7 +23,16 @@ def test_a_mail_says_how_far_how_urgent_and_what_to_do() -> None:
     for one in (ADVICE.how_far[0].words, ADVICE.how_sure.words, ADVICE.how_urgent.words, *ADVICE.check, *ADVICE.confirm):
         assert f"- {one}\n" in mail
     assert "To do at the next stop:\n" in mail
+    assert "https://rundown.example/#/alerts/0\n" in mail
     assert "https://rundown.example/#/machines/pump-7" in mail
+
+
+def test_a_mail_names_the_element_in_words() -> None:
+    moved = EventMessage(EVENT.model_copy(update={"element": "coupling.C1"}), "plant-1")
+    for language, said in ((ENGLISH, "coupling C1"), (GERMAN, "Kupplung C1")):
+        mail = compose_mail(settings(), "anna@plant.example", moved, language)
+        assert f" {said}: " in mail["Subject"]
+        assert "coupling.C1" not in mail["Subject"]
 
 
 def test_a_webhook_has_the_same_figures() -> None:
@@ -46,7 +55,7 @@ def test_a_mail_is_in_the_language_that_is_set() -> None:
     advice = told("coupling", "coupling.C1", None, GERMAN, parts=[PART], progress=GROWING | {"ahead": AHEAD})
     event = EVENT.model_copy(update={"message": advice.what, "advice": advice, "rule": "coupling", "comment": "Anna kommt"})
     mail = compose_mail(settings(), "anna@plant.example", EventMessage(event, "plant-1"), GERMAN)
-    assert mail["Subject"] == "[Warnung] pump-7 test: Kupplung, normal"
+    assert mail["Subject"] == "[Warnung] pump-7 Test: Kupplung, normal"
     assert "Maschine   plant-1/pump-7\n" in mail.get_content()
     assert "Kommentar  Anna kommt\n" in mail.get_content()
     assert "Zu tun im Betrieb:\n" in mail.get_content()

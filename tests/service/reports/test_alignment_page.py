@@ -27,6 +27,11 @@ def test_no_chance_of_more_than_allowed_is_certain_and_none_impossible(beyond: f
     assert alignment_row(offset(beyond), language)[-1] == told
 
 
+def test_angles_are_in_milliradians_as_in_trends_and_alerts() -> None:
+    angle = ToleratedChange("coupling.C1.angle_vertical", "rad", 612e-6, 51e-6, 370e-6, 0.99)
+    assert alignment_row(angle, ENGLISH)[2:5] == ("+0.61 mrad", "0.05 mrad", "0.37 mrad")
+
+
 def test_changes_have_their_sign_and_the_languages_digits() -> None:
     assert alignment_row(offset(0.5), ENGLISH)[2:5] == ("-118.4 µm", "1.2 µm", "50 µm")
     assert alignment_row(offset(0.5), GERMAN)[2:4] == ("-118,4 µm", "1,2 µm")

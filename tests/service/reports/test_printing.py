@@ -225,6 +225,16 @@ def test_names_and_numbers_are_those_that_people_use(sunken: ReportContents) -> 
     assert re.findall(r">[^<>]*\de[+-]\d[^<>]*<", page) == [], "nobody reads 1e+04 aloud"
 
 
+@pytest.mark.parametrize(("direction", "sense"), [(1, "with"), (-1, "against")])
+def test_the_angle_of_a_correction_says_which_way_it_counts(sunken: ReportContents, direction: int, sense: str) -> None:
+    """Angles count from +x towards +y: of a train that turns the other way that is against the rotation."""
+    fit = sunken.fit
+    assert fit is not None
+    turned = replace(fit, one=replace(fit.one, direction=direction), baseline=(), reference=())
+    page = report_html(replace(sunken, fit=turned, trends=(), alerts=(), not_to_balance=None))
+    assert re.findall(r">angle from the mark, \+x towards \+y, (\w+) the rotation<", page) == [sense]
+
+
 @pytest.mark.parametrize(("hours", "form"), [(0.5, r"\d\d-\d\d \d\d:\d\d"), (24.0 * 300, r"\d{4}-\d\d-\d\d")])
 def test_a_trend_shows_values_and_intervals_of_an_hour_or_a_year(hours: float, form: str) -> None:
     time = np.array([0, int(hours * 3600e9)])

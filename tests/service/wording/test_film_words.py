@@ -38,7 +38,7 @@ def test_lengths_are_told_in_mils_where_the_reader_asked_for_them() -> None:
     mils = Language("en", "mil")
     assert alignment_words(OFFSET | ANGLE | {"bearing.B3.vertical_um": -80.3}, mils) == (
         "the driven shaft lies 4.7 ± 0.7 mil lower (allowed 1.97 mil at 3600 r/min); it rises more from the coupling on, by "
-        "90 ± 30 µrad (allowed 370 µrad); the horizontal angle is not determined; the same as bearing B3 3.16 mil lower"
+        "0.09 ± 0.03 mrad (allowed 0.37 mrad); the horizontal angle is not determined; the same as bearing B3 3.16 mil lower"
     )
     wear = {"clearance_per_cent": 15.0, "clearance_error_per_cent": 1.0, "before_um": 69.0, "after_um": 79.0}
     assert wear_words(wear, mils) == "15.0 ± 2.0 % larger, 3.11 mil in place of 2.72 mil"
@@ -50,7 +50,7 @@ def test_what_is_within_tolerance_has_changed() -> None:
     assert alignment_judgement(small | ANGLE) == "has changed its alignment"
     assert alignment_words(small | ANGLE) == (
         "the driven shaft lies 20 ± 4 µm higher (allowed 50 µm at 3600 r/min); "
-        "it rises more from the coupling on, by 90 ± 30 µrad (allowed 370 µrad); the horizontal angle is not determined"
+        "it rises more from the coupling on, by 0.09 ± 0.03 mrad (allowed 0.37 mrad); the horizontal angle is not determined"
     )
 
 

@@ -1,10 +1,23 @@
 """Numbers in what is said to people."""
 
+from dataclasses import replace
+
 import pytest
 
 from estimator.diagnosis.finding_kind import SizePart
 from service.wording.described_finding import DescribedFinding
-from service.wording.finding_words import element_words, interval, misalignment_words, part_words, rounded
+from service.wording.finding_words import (
+    coupling_run_out_words,
+    element_words,
+    interval,
+    misalignment_words,
+    part_words,
+    rounded,
+    sensor_words,
+    unbalance_words,
+    whole_degrees,
+)
+from service.wording.language import ENGLISH, GERMAN
 
 
 @pytest.mark.parametrize(
@@ -72,3 +85,22 @@ def test_what_an_older_release_stored_is_told_without_intervals() -> None:
 def test_a_figure_has_its_unit_and_interval(part: SizePart, said: str) -> None:
     assert said in part_words(part)
     assert interval(part) in said
+
+
+def test_angles_are_told_from_0_to_359_degrees_as_in_all_tables() -> None:
+    numbers = {"change_g_mm": 12.0, "change_deg": -45.4, "before_g_mm": 20.0, "after_g_mm": 30.0}
+    told = DescribedFinding("unbalance", "disc.D1", {"quantities": numbers})
+    assert unbalance_words(told) == {"size": "12.0 g·mm at 315°, from 20.0 to 30.0 g·mm"}
+    assert whole_degrees(359.7) == 0
+
+
+def test_the_face_of_a_coupling_is_told_in_milliradians() -> None:
+    numbers = {"offset_um": 12.0, "offset_deg": 359.8, "angle_urad": 250.0, "angle_deg": 90.0}
+    told = DescribedFinding("rotating_coupling", "coupling.C1", {"quantities": numbers})
+    assert coupling_run_out_words(told) == {"size": "bore by 12 µm at 0° and face by 0.25 mrad at 90°"}
+
+
+def test_a_probe_whose_gain_stays_has_no_gain_of_minus_zero() -> None:
+    told = DescribedFinding("sensor", "probe.P1", {"quantities": {"gain_per_cent": -0.3, "phase_deg": 12.0}})
+    for language, gain in ((ENGLISH, "gain +0 %"), (GERMAN, "Verstärkung +0 %")):
+        assert gain in sensor_words(replace(told, language=language))["size"]

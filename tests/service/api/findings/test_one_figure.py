@@ -134,7 +134,7 @@ def test_report_and_api_tell_the_same_alignment_and_loads(plant: Database, units
     (alert,) = Api(plant).ask("GET", "/api/v1/alerts?open=true", headers={"accept-language": tag}).json()
     assert [one for one in words_of(alert) if one not in page] == []
     told = Api(plant).value(f"/machines/{MODEL.machine.id}/alignment")
-    scale = {"m": shown.in_length(1e6), "rad": 1e6, "N": 1.0}
+    scale = {"m": shown.in_length(1e6), "rad": 1e3, "N": 1.0}
     rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", page)]
     compared = 0
     for one in (*told["numbers"], *told["loads"]):
