@@ -1,10 +1,11 @@
 """The slope of the scatter's likelihood is that of the determinant, and gains do not grow with what mountings differ by."""
 
 import numpy as np
+from msgspec.structs import replace
 
 from benchmarks.calibration.simulated_trains import MountedTrain
 from estimator.calibration.calibrate import calibrate
-from estimator.calibration.scatter_likelihood import scatter_slope
+from estimator.calibration.scatter_likelihood import information_of_means, scatter_slope
 from tests.estimator.calibration.test_mounted_problem import STEP, problem
 
 
@@ -37,3 +38,19 @@ def test_gains_are_right_though_mountings_differ_by_a_third_of_what_the_weights_
         gains = np.array([1.0 + told[f"{name}.real"] + 1j * told[f"{name}.imaginary"] for name in names])
         factors.append(np.mean(np.abs(gains / plant.gain)))
     assert abs(np.mean(factors) - 1.0) < 0.06, factors
+
+
+def test_differences_are_no_known_unbalances_that_tell_gains() -> None:
+    """The curvature has what differences do: it is the information of runs in which there are none."""
+    whole = problem(1.0)
+    theta = whole.coordinates.centre
+    weight = whole.weight(whole.first_amplitude, 0.0)
+    found = information_of_means(whole, theta)
+    means = np.concatenate([one.phasor for one in whole.linear_phasors(theta)])
+    without = replace(whole, measurement=replace(whole.measurement, phasor=means))
+    size = np.sqrt(np.diag(found))
+    np.testing.assert_allclose(
+        found / np.outer(size, size), without.linearised(theta, weight)[2] / np.outer(size, size), atol=1e-9
+    )
+    gains = np.array([name.endswith("gain.real") for name in whole.coordinates.names], dtype=float)
+    assert gains @ whole.linearised(theta, weight)[2] @ gains > 1.01 * gains @ found @ gains
