@@ -15,7 +15,7 @@ from estimator.calibration.exchanges import exchange_text, likely_exchanges, log
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
-from estimator.calibration.scatter_likelihood import with_scatter_slope
+from estimator.calibration.scatter_likelihood import information_of_means, with_scatter_slope
 from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
@@ -358,7 +358,7 @@ def _calibration(
     groups: NDArray[np.intp],
 ) -> Calibration:
     coordinates, train = problem.coordinates, problem.train
-    _, _, information = problem.linearised(theta, problem.weight(np.abs(problem.measurement.phasor), 0.0))
+    information = information_of_means(problem, theta)
     covariance = np.linalg.inv(information + coordinates.prior.precision) * np.outer(coordinates.unit, coordinates.unit)
     covariance = (covariance + covariance.T) / 2.0
     unbalances = [f"{one.name}.{part}" for one in train.unknowns.unbalances for part in ("real", "imaginary")]

@@ -5,7 +5,7 @@ discs do through the train and the chains. Its determinant grows with gains and 
 too large: differences then count for less, and trial weights seem smaller than they are. That is inverse regression, whose
 gains err by the square of the ratio of differences to weights (Fuller, Measurement Error Models, 1987, sec. 1.1). The
 likelihood of the mixed model has the logarithm of the determinant beside χ² (Harville, J. Am. Stat. Assoc. 72 (1977) 320,
-doi:10.1080/01621459.1977.10480998).
+doi:10.1080/01621459.1977.10480998). What differences do says nothing of a factor on all gains, either: their sizes are free.
 """
 
 import numpy as np
@@ -61,6 +61,34 @@ def scatter_slope(problem: MountedProblem, theta: Floats) -> Floats:
         slope += _slope_of_difference(problem, theta, row, (parts[row, ..., 0] + 1j * parts[row, ..., 1]) * weight)
     slope[_added_places(problem)] = 0.0
     return 2.0 * slope
+
+
+def information_of_means(problem: MountedProblem, theta: Floats) -> Floats:
+    """Compute the information of the coordinates, without that of the differences that are likely there.
+
+    The curvature of χ² counts differences as if they were known unbalances. But larger gains with smaller differences, or
+    turned ones with differences turned back, leave the likelihood of these as it is: only the means tell such gains.
+
+    Source: expected information of the mean's parameters, Mardia and Marshall, Biometrika 71 (1984) 135,
+    doi:10.1093/biomet/71.1.135.
+
+    Args:
+        problem: The problem, with sizes of scatter that were estimated.
+        theta: Fit coordinates θ (n,) [-].
+
+    Returns:
+        Information (n, n) of the phasors [-].
+    """
+    weight = np.where(problem.used, problem.weight(np.abs(problem.measurement.phasor), 0.0), 0.0)
+    found = problem.linearisation(theta, weight)
+    means = [one.weighted(problem.measurement.phasor, weight)[0] for one in problem.linear_phasors(theta)]
+    rows = np.concatenate(means, axis=-1)
+    information = rows @ rows.T
+    for one, inverse in enumerate(found.inverse):
+        which = found.mounting == one
+        mixed = rows[:, which] @ found.own[:, which].T
+        information -= mixed @ inverse @ mixed.T
+    return np.asarray(information)
 
 
 def _slope_of_difference(problem: MountedProblem, theta: Floats, row: int, onto: Complexes) -> Floats:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.calibration.mounted_problem import MountedProblem
+from estimator.calibration.scatter_likelihood import information_of_means
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.fit.estimates import CONFIDENCE_95
 
@@ -55,7 +56,7 @@ def _variance(problem: MountedProblem, scatter: ScatterModel, theta: Floats, siz
     """Return the variance of the discs' unbalance over their mass in a further mounting, summed [m²]."""
     now = scatter.applied(problem, sizes)
     coordinates = now.coordinates
-    _, _, information = now.linearised(theta, now.weight(np.abs(now.measurement.phasor), 0.0))
+    information = information_of_means(now, theta)
     covariance = np.linalg.inv(information + coordinates.prior.precision) * np.outer(coordinates.unit, coordinates.unit)
     masses = {one.name: mass for one, mass in zip(now.train.unknowns.unbalances, scatter.mass, strict=True)}
     parts = {f"{name}.{part}": mass for name, mass in masses.items() for part in ("real", "imaginary")}
