@@ -255,7 +255,7 @@ class BusyCallers:
 
     async def all_done(self) -> list[int]:
         """Let all be answered; return which requests were not, by their places."""
-        await asyncio.sleep(0.05)
+        await asyncio.sleep(0.5)  # until all are in the queue, on PostgreSQL and a busy machine, too
         self.go_on.set()
         found = await asyncio.gather(*self._tasks, return_exceptions=True)
         return [place for place, one in enumerate(found[THREADS:]) if isinstance(one, NobodyWaits)]
