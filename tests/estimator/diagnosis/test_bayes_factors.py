@@ -44,7 +44,7 @@ def test_two_causes_at_once_are_both_named() -> None:
 
 @pytest.mark.parametrize(("channel", "factor"), [(2, 0.8), (3, 1.2), (6, 1.15)])
 def test_a_probe_that_is_far_off_is_no_coupling(channel: int, factor: float) -> None:
-    """What the first order of a gain leaves over looks like a change of the coupling."""
+    """Tests the second order of a gain, which looks like a change of the coupling."""
     probe = ("sensor", f"probe.{plant.motor_pump().channels[channel]}")
     seed = 5000 + 100 * channel
     assert named(plant.after(plant.true_machine(), seed=seed, edit=plant.gain(channel, factor))) == {probe}
