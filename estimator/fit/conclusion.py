@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.fit.estimates import determined, estimates
 from estimator.fit.identification import Identification
+from estimator.fit.large_gain_errors import channel_effects_at_large_gain
 from estimator.fit.optimisation.multistart import BestFit
 from estimator.fit.optimisation.nuisance_parameters import excessive_deviations
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.validation.channel_sensitivity import channel_effects
 from estimator.fit.validation.form_discrepancy import FormVerdict, judge_form, needs_form
 from estimator.fit.validation.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.validation.identifiability import Reasons
@@ -85,7 +85,7 @@ def conclude(
         speed_maximum=float(speed.max()),
         noise=found.noise,
         outliers=outliers_by_channel(problem, found.outlier),
-        channel_effects=channel_effects(problem, found, inflation=beside.inflation),
+        channel_effects=channel_effects_at_large_gain(problem, found, inflation=beside.inflation),
         doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in of_form.forces),
     )
 

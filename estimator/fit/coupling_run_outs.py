@@ -12,11 +12,12 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.fit.large_gain_errors import channel_effects_at_large_gain
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
-from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
+from estimator.fit.validation.channel_sensitivity import ChannelEffects, with_run_outs
 from estimator.fit.validation.goodness_of_fit import judge
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
 from estimator.rotor.condensation import condense
@@ -77,7 +78,7 @@ def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunO
 
 def _run_out_fit(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> RunOutFit:
     """Return what a fit with run-outs says, these counted among the errors that a fit without them leaves out."""
-    coordinates, effects = whole.coordinates, channel_effects(whole, found)
+    coordinates, effects = whole.coordinates, channel_effects_at_large_gain(whole, found)
     turning = np.setdiff1d(np.arange(coordinates.size), own)
     turning = np.array(sorted(turning.tolist(), key=lambda place: _rank(coordinates.names[place])), dtype=np.intp)
     point, unit = coordinates.point(found.theta), coordinates.unit

@@ -8,7 +8,7 @@ changing bearing by this, and a coupling's run-out, which turns with the shaft, 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from msgspec import Struct
@@ -62,7 +62,9 @@ class ChannelEffects(Struct, frozen=True, eq=False):
     at: Floats | None = None
 
 
-def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
+def channel_effects(
+    problem: FitProblem, found: FitResult, *, inflation: float = 1.0, at: Mapping[str, float] | None = None
+) -> ChannelEffects:
     """Compute the effects of every gain and run-out, of channels and couplings, that the fit did not identify along.
 
     Source: score and information after Rao (1948, doi:10.1017/S0305004100023987).
@@ -71,6 +73,7 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
         problem: The fit's problem.
         found: The fit.
         inflation: Factor by which the fit's covariance was widened [-]; the information and the score are divided by it.
+        at: Errors of channels, by name, that the fit found along, at which everything is linearised [unit]; None for none.
 
     Returns:
         Effects of e errors.
@@ -80,6 +83,9 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     whole = final.with_channels(extended, found.theta)
     doubtful = _discarded_channels(whole)
     theta = np.concatenate([found.theta, np.zeros(extended.size - own.size)])
+    for name, error in (at or {}).items():
+        place = extended.names.index(name)
+        theta[place] = error / extended.unit[place]
     turning = _rotating_errors(whole, theta)
     index, added = np.arange(own.size), np.arange(own.size, extended.size + len(turning.names))
 
@@ -95,9 +101,9 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     score = gradient[added] / unit[added]
     if doubtful.any():
         bias, information, score = _assess_separately(whole, theta, doubtful, added, (bias, information, score))
-    used = whole.used
+    used, names = whole.used, (*extended.names[own.size :], *turning.names)
     return ChannelEffects(
-        names=(*extended.names[own.size :], *turning.names),
+        names=names,
         bias=bias,
         information=information / inflation,
         score=score / inflation,
@@ -105,6 +111,7 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
         amplitude=tuple(
             float(np.median(amplitude[used[:, c], c])) if used[:, c].any() else 0.0 for c in range(amplitude.shape[1])
         ),
+        at=None if at is None else np.array([at.get(name, 0.0) for name in names]),
     )
 
 

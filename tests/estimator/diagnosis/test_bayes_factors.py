@@ -42,6 +42,16 @@ def test_two_causes_at_once_are_both_named() -> None:
     assert named(plant.after(both)) == {("misalignment", "coupling.C1"), ("unbalance", "disc.core-1")}
 
 
+@pytest.mark.parametrize(("channel", "factor"), [(2, 0.8), (3, 1.2), (6, 1.15)])
+def test_a_probe_that_is_far_off_is_no_coupling(channel: int, factor: float) -> None:
+    """Tests the second order of a gain, which looks like a change of the coupling."""
+    probe = ("sensor", f"probe.{plant.motor_pump().channels[channel]}")
+    seed = 5000 + 100 * channel
+    assert named(plant.after(plant.true_machine(), seed=seed, edit=plant.gain(channel, factor))) == {probe}
+    beside = plant.after(plant.misaligned(0.12), seed=seed, edit=plant.gain(channel, factor))
+    assert named(beside) == {probe, ("misalignment", "coupling.C1")}
+
+
 def test_a_large_unbalance_hides_no_misalignment() -> None:
     beside = dict.fromkeys(("coupling.C1", "bearing.B2", "bearing.B3"), 1.084)
     for times in (2.0, 3.0):

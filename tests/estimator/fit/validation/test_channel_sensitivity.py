@@ -59,6 +59,24 @@ def test_they_foretell_what_a_fit_with_a_free_gain_finds(machine: Machine) -> No
     assert np.max(np.abs(moved) / spread) > 0.8  # so that there was something to foretell
 
 
+def test_they_foretell_a_gain_that_is_far_off_beyond_first_order(machine: Machine) -> None:
+    channel = 3
+    data = plant.measured(plant.true_machine(), 7, plant.gain(channel, 1.2))
+    plain = identify(machine, data)
+    free = identify(with_free_gain(machine, channel), data)
+    found = effects(plain.channel_effects)
+    name = f"probe.{machine.channels[channel]}.gain"
+    own = places(found, name)
+    gain = np.linalg.solve(found.information[np.ix_(own, own)], found.score[own])
+    exact = np.array([free.point[free.coordinates.index(f"{name}.{part}")] for part in ("real", "imaginary")])
+    assert np.abs(gain - exact).max() < 0.005
+    shared = [free.coordinates.index(one) for one in plain.coordinates]
+    moved = free.point[shared] - plain.point
+    spread = np.sqrt(np.diag(plain.covariance))
+    assert np.max(np.abs(moved + found.bias[:, own] @ gain) / spread) < 0.5
+    assert np.max(np.abs(moved) / spread) > 4.0  # so that there was something to foretell
+
+
 def test_a_channel_that_the_fit_gave_up_is_judged_by_what_the_others_say_of_it(machine: Machine) -> None:
     size = 4e-6 * np.exp(1j)
     found = plant.run(plant.true_machine(), 8, plant.run_out(CHANNEL, size))

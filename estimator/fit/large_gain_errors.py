@@ -1,0 +1,126 @@
+"""Effects of channels' errors where one channel's gain is far from what the document says.
+
+Score and information tell of a gain to first order (`channel_sensitivity`). One that is off by a fifth moves a fit without
+it so far that the second order counts: what it leaves over looks like a change of a coupling or a bearing. So where a gain is
+clearly off the fit is done again with it, from its end, and everything is linearised there (Gaussian approximation of the
+likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4). The fit itself
+stays as it is: what it leaves out moves it from that point to its own along the secant between both.
+"""
+
+import math
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
+
+from estimator.arrays import Floats
+from estimator.fit.optimisation.maximum_likelihood import fit
+from estimator.fit.optimisation.reweighting import with_fitted_noise
+from estimator.fit.problem.channel_coordinates import ChannelCoordinates
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.validation.channel_sensitivity import MOSTLY_LEFT_OUT, ChannelEffects, channel_effects
+from estimator.machine.parameter_description import COMPONENTS
+
+CLEAR_FALL = 20.0
+"""Fall of χ² with a gain from which on it is clearly off [-]: chance brings it once in 20,000 channels."""
+LARGE_GAIN = 0.03
+"""Part of itself by which a gain must be off for the second order to count [-]."""
+
+
+class _GainError(Struct, frozen=True, eq=False):
+    """Error of one channel's gain, to first order.
+
+    Attributes:
+        channel: Place of the channel.
+        names: Names of both parts.
+        places: Their places among the errors (2,).
+        fall: Fall of χ² with it [-].
+        size: Its magnitude [-].
+    """
+
+    channel: int
+    names: tuple[str, ...]
+    places: list[int]
+    fall: float
+    size: float
+
+
+def channel_effects_at_large_gain(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
+    """Compute the effects of errors of channels, beyond first order of the one gain that is clearly off (module's docstring).
+
+    Fits whose coefficients follow the speed, as on oil films, calibrated ones and those that have given up a channel are told
+    to first order, as are all without such a gain.
+
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+        inflation: Factor by which the fit's covariance was widened [-]; the information and the score are divided by it.
+
+    Returns:
+        Effects of e errors, about the fit's own point.
+    """
+    effects = channel_effects(problem, found, inflation=inflation)
+    own = problem.coordinates
+    clearest = None if own.models or own.calibrated is not None else _clearest(problem, found, effects)
+    if clearest is None or clearest.fall * inflation < CLEAR_FALL or clearest.size < LARGE_GAIN:
+        return effects
+    free = with_fitted_noise(problem.with_channels(_with_gain(own, clearest), found.theta), found)
+    again = fit(free, np.concatenate([found.theta, np.zeros(len(clearest.names))]), near=True)
+    if not again.converged or again.misfit >= found.misfit:
+        return effects
+    gain = again.theta[own.size :]
+    there = replace(again, theta=again.theta[: own.size])
+    at = dict(zip(clearest.names, gain.tolist(), strict=True))
+    told = channel_effects(problem, there, inflation=inflation, at=at)
+    return _about(told, own.unit * (found.theta - there.theta), clearest.places, gain)
+
+
+def _clearest(problem: FitProblem, found: FitResult, effects: ChannelEffects) -> _GainError | None:
+    """Return the gain with which χ² would fall by the most (score test).
+
+    None is asked where the fit has given up a channel: that one is at fault, and what it leaves over another's only in part.
+    """
+    usable = np.count_nonzero(problem.measurement.usable, axis=0)
+    left_out = np.count_nonzero(found.outlier & problem.measurement.usable, axis=0)
+    if np.any(left_out > MOSTLY_LEFT_OUT * usable):
+        return None
+    errors = []
+    for channel, name in enumerate(problem.train.channels):
+        names = tuple(f"probe.{name}.gain.{part}" for part in COMPONENTS)
+        if names[0] not in effects.names or not usable[channel]:
+            continue
+        places = [effects.names.index(one) for one in names]
+        gain = np.linalg.lstsq(effects.information[np.ix_(places, places)], effects.score[places])[0]
+        errors.append(_GainError(channel, names, places, float(gain @ effects.score[places]), float(np.hypot(*gain))))
+    return max(errors, key=lambda one: one.fall, default=None)
+
+
+def _with_gain(coordinates: Coordinates, error: _GainError) -> Coordinates:
+    """Return coordinates with a channel's gain behind the others, with a prior of unit size."""
+    gain, more = coordinates.channels.gain.copy(), np.zeros(len(error.names))
+    gain[error.channel] = coordinates.size
+    unit = np.concatenate([coordinates.unit, more + 1.0])
+    return replace(
+        coordinates,
+        names=(*coordinates.names, *error.names),
+        centre=np.concatenate([coordinates.centre, more]),
+        spread=np.concatenate([coordinates.spread, more + math.sqrt(0.5)]),
+        origin=np.concatenate([coordinates.origin, more]),
+        unit=unit,
+        channels=ChannelCoordinates(gain=gain, run_out=coordinates.channels.run_out, unit=unit),
+    )
+
+
+def _about(told: ChannelEffects, moved: Floats, places: list[int], gain: Floats) -> ChannelEffects:
+    """Return effects that were linearised at a gain about the point (n,) of the fit without it, which lies `moved` from there.
+
+    The likelihood has the same maximum and the same curvature among the errors; the way there is the secant.
+    """
+    bias = told.bias.copy()
+    bias[:, places] += np.outer(moved - bias[:, places] @ gain, gain) / (gain @ gain)
+    at = np.zeros(len(told.names))
+    at[places] = gain
+    return replace(told, bias=bias, score=told.score + told.information @ at, at=None)
