@@ -1,12 +1,13 @@
 """A shell completes `rundown` as soon as completion is installed."""
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.programs import program
 
 FIRST_TAB = """
 compdef() {}
@@ -36,7 +37,6 @@ def test_what_is_installed_for_zsh_ends_with_a_call(home: dict[str, str]) -> Non
     assert script.endswith("compdef _rundown_completion rundown\n_rundown_completion\n")
 
 
-@pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
 def test_zsh_completes_at_the_first_tab(home: dict[str, str]) -> None:
-    done = subprocess.run(["zsh", "-fc", FIRST_TAB], env=home, check=True, capture_output=True, text=True)
+    done = subprocess.run([program("zsh"), "-fc", FIRST_TAB], env=home, check=True, capture_output=True, text=True)
     assert '"identify"' in done.stdout, done.stderr
