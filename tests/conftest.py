@@ -49,10 +49,18 @@ GARBAGE = (50_000, 20, 50)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Begin with what takes longest; on a kind of database that was asked for only what uses one is run."""
     if KIND_ASKED_FOR in os.environ:
-        others = [item for item in items if "kind" not in getattr(item, "fixturenames", ())]
+        others = [item for item in items if not uses_database(item)]
         config.hook.pytest_deselected(items=others)
-        items[:] = [item for item in items if "kind" in getattr(item, "fixturenames", ())]
+        items[:] = [item for item in items if uses_database(item)]
     items.sort(key=lambda item: turn(item.path))
+
+
+def uses_database(item: pytest.Item) -> bool:
+    """Return whether a test asks for a database of the kind that was asked for, itself or by its fixtures.
+
+    Without `stores` a `kind` is a parameter of the test's own; without `kind` a store is of the kind that the test names.
+    """
+    return {"stores", "kind"} <= set(getattr(item, "fixturenames", ()))
 
 
 @functools.cache
