@@ -33,6 +33,7 @@ FIRST = (
     "service/api/test_contract.py",
     "benchmarks/test_fleet.py",
     "film_plant_tests",
+    "estimator/fit/validation",
     "estimator/identification",
     "estimator/diagnosis",
     "test_house_figures.py",
