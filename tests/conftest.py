@@ -21,6 +21,8 @@ from tests.postgresql import FAST, PostgresServer, server
 TESTS = Path(__file__).parent
 FIRST = (
     "browser/test_alert_page.py",
+    "browser/test_login.py",
+    "browser/test_balancing_print.py",
     "faults/test_killed_roles.py",
     "faults/test_deleted_logs.py",
     "faults/test_endurance.py",
@@ -41,7 +43,7 @@ FIRST = (
 )
 """Folders and files that take as long as hundreds of other tests: last, they would leave one process alone with them.
 
-One file of the browser's makes the store that all of them look at; the others come when it is there.
+One file of the browser's makes the store that most of them look at; meanwhile come those that have a store of their own.
 """
 GARBAGE = (50_000, 20, 50)
 """After how many new objects their garbage is looked for, and how rarely among older ones."""
