@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
-# Tests wait for services more than they compute: three at once keep two cores busy. The long ones need a core each.
+# Tests wait for services more than they compute: three at once keep two cores busy.
 PROCESSES ?= 3
 # A file of tests stays in one process; files begin in the order of tests/conftest.py, not the one with most tests first.
 IN_PARALLEL := --dist loadfile --no-loadscope-reorder
@@ -41,9 +41,10 @@ test-browser: compiled ## the page in a real browser, which needs chromium
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
-	$(BIN)/pytest -n 2 $(IN_PARALLEL) -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests | sort)
+	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests | sort)
 
-# tests/storage is run on both kinds of database by `make test` already.
+# tests/storage is run on both kinds of database by `make test` already. These wait for the server most of their time.
+test-postgresql: PROCESSES := 5
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start
 	PYTEST_DEBUG_TEMPROOT=$(IN_MEMORY) RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' tests/service tests/end_to_end/test_main_job.py
 

@@ -21,6 +21,8 @@ from tests.postgresql import FAST, PostgresServer, server
 TESTS = Path(__file__).parent
 FIRST = (
     "browser/test_alert_page.py",
+    "browser/test_login.py",
+    "browser/test_balancing_print.py",
     "faults/test_killed_roles.py",
     "faults/test_deleted_logs.py",
     "faults/test_endurance.py",
@@ -33,6 +35,7 @@ FIRST = (
     "service/api/test_contract.py",
     "benchmarks/test_fleet.py",
     "film_plant_tests",
+    "estimator/fit/validation",
     "estimator/identification",
     "estimator/diagnosis",
     "test_house_figures.py",
@@ -40,7 +43,7 @@ FIRST = (
 )
 """Folders and files that take as long as hundreds of other tests: last, they would leave one process alone with them.
 
-One file of the browser's makes the store that all of them look at; the others come when it is there.
+One file of the browser's makes the store that most of them look at; meanwhile come those that have a store of their own.
 """
 GARBAGE = (50_000, 20, 50)
 """After how many new objects their garbage is looked for, and how rarely among older ones."""
@@ -49,10 +52,18 @@ GARBAGE = (50_000, 20, 50)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Begin with what takes longest; on a kind of database that was asked for only what uses one is run."""
     if KIND_ASKED_FOR in os.environ:
-        others = [item for item in items if "kind" not in getattr(item, "fixturenames", ())]
+        others = [item for item in items if not uses_database(item)]
         config.hook.pytest_deselected(items=others)
-        items[:] = [item for item in items if "kind" in getattr(item, "fixturenames", ())]
+        items[:] = [item for item in items if uses_database(item)]
     items.sort(key=lambda item: turn(item.path))
+
+
+def uses_database(item: pytest.Item) -> bool:
+    """Return whether a test asks for a database of the kind that was asked for, itself or by its fixtures.
+
+    Without `stores` a `kind` is a parameter of the test's own; without `kind` a store is of the kind that the test names.
+    """
+    return {"stores", "kind"} <= set(getattr(item, "fixturenames", ()))
 
 
 @functools.cache

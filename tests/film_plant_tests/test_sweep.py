@@ -84,10 +84,12 @@ def _demodulated(train: ReducedTrain, films: Equilibrium, time: float) -> Comple
 
     def change(t: float, state: Floats) -> Floats:
         w = speed(t)
-        whole, slowed = train.with_films(stiffness(w), damping(w))
+        place, moving = state[:size], state[size:]
         force = ((w**2 - 1j * rate) * train.unbalance * np.exp(1j * angle(np.asarray(t)))).real
-        moving = state[size:]
-        return np.concatenate([moving, inverse @ (force - (slowed + w * train.gyroscopic) @ moving - whole @ state[:size])])
+        journals = (train.relative @ np.stack([place, moving], axis=1)).reshape(-1, 2, 2)
+        films = stiffness(w) @ journals[:, :, :1] + damping(w) @ journals[:, :, 1:]
+        held = train.stiffness @ place + (train.damping + w * train.gyroscopic) @ moving + films.ravel() @ train.relative
+        return np.concatenate([moving, inverse @ (force - held)])
 
     first = speed(start)
     steady = train.steady(first, stiffness(first), damping(first)) * np.exp(1j * angle(np.asarray(start)))

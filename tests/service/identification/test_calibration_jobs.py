@@ -109,7 +109,7 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
     assert (told["state"], told["accepted"], told["in_force"]) == ("queued", None, False)
     assert "not computed yet" in api("POST", f"{path}/{told['id']}/in-force", 409, json={"by": "Ada"})["detail"]
     with identifying(database, executor):
-        wait_until(lambda: counts(database) == {"done": 1})
+        wait_until(lambda: counts(database) == {"done": 1}, seconds=300.0)
         found = api("GET", f"{path}/{told['id']}")
         assert (found["state"], found["accepted"], found["by"]) == ("done", True, "Ada"), found
         assert found["code_version"]
@@ -128,7 +128,7 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
         later = rig.run(added, revision=2)
         with database.transaction() as session:
             jobs.enqueue(session, rig.machine.id, scope=jobs.RUN, run_ids=[later])
-        wait_until(lambda: counts(database) == {"done": 2})
+        wait_until(lambda: counts(database) == {"done": 2}, seconds=300.0)
     with database.reading() as session:
         (row,) = identifications.of_machine(session, rig.machine.id, limit=10)
         assert row.accepted, row.verdict

@@ -1,6 +1,8 @@
 """Sentences that are stored in English: each language knows all of them, with their places, and none that nobody stores."""
 
 import re
+from collections import Counter
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ from estimator.fit.validation.goodness_of_fit import Verdict
 from estimator.phasors.quality import Flag
 from service.alerts import transitions
 from service.wording.english import ENGLISH_SENTENCES
+from service.wording.german_stored import TOPICS
 from service.wording.language import ENGLISH, GERMAN, LANGUAGES
 from service.wording.stored_sentences import STORED_SENTENCES, comment_in_language, in_language
 
@@ -31,6 +34,10 @@ def test_no_english_is_left_of_a_stored_sentence(sentence: str) -> None:
     # What is told in numbers and names is told in every language.
     assert set(re.findall(r"[A-Z]\d\w*", sentence)) <= set(re.findall(r"[A-Z]\d\w*", said))
     assert in_language(sentence, ENGLISH) == sentence
+
+
+def test_no_sentence_belongs_to_two_topics() -> None:
+    assert [one for one, times in Counter(chain.from_iterable(TOPICS)).items() if times > 1] == []
 
 
 def test_what_nobody_knows_stays_as_it_is_and_numbers_get_their_mark() -> None:

@@ -178,13 +178,14 @@ def test_refusals_are_answered_once_they_are_kept_one_a_turn(plant: Database, he
 def test_ingest_goes_on_while_batches_are_stored_one_by_one(
     router: zenoh.Session, plant: Database, client: zenoh.Session
 ) -> None:
-    """Sixty of 0.03 s each: in one go they would hold up a cycle for two seconds."""
+    """Sixty of 0.03 s each: in one go they would hold up a cycle for nearly all the time that they take together."""
     writer = OnlyAlone(plant, seconds=0.03)
     ingest = Ingest(router, writer, silence_s=60.0)
     with ExitStack() as until:
         ingest.start()
         until.callback(ingest.stop)
         wait_until(lambda: heard(client))
+        began = time.monotonic()
         for number in range(60):
             put_batch(client, number, number + 1)
         wait_until(lambda: len(writer.alone) >= 5)
@@ -192,6 +193,7 @@ def test_ingest_goes_on_while_batches_are_stored_one_by_one(
         assert len(answers) == 1
         assert len(writer.alone) < 60, "it was answered when all were stored"
         wait_until(lambda: received(plant) == 60)
+        took = time.monotonic() - began
         assert ingest.trouble is None
-        assert ingest.gauges["rundown_ingest_longest_cycle_seconds"] < 1.0
+        assert ingest.gauges["rundown_ingest_longest_cycle_seconds"] < took / 2
     assert counts(plant) == (60, 60, 0)

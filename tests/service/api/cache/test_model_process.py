@@ -103,5 +103,6 @@ def test_others_have_their_turns_meanwhile(process: ModelProcess) -> None:
     finally:
         done.set()
         taking.join()
-    assert turns[-1] - turns[0] > 0.3  # there was something to wait for
-    assert np.max(np.diff(turns)) < 0.25
+    took = turns[-1] - turns[0]
+    assert took > 0.3  # there was something to wait for
+    assert np.max(np.diff(turns)) < took / 2  # who holds the lock holds it nearly all the time

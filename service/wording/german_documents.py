@@ -1,0 +1,62 @@
+"""Warnings of machine documents, in German."""
+
+from collections.abc import Mapping
+
+DOCUMENTS: Mapping[str, str] = {
+    "{speed} r/min: few machines are that slow": "{speed} 1/min: so langsam sind wenige Maschinen",
+    "was {value} Hz meant, {speed} r/min?": "waren {value} Hz gemeint, {speed} 1/min?",
+    "{running} r/min lies below the speed range, {low} to {high} r/min": (
+        "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min"
+    ),
+    "{density} kg/m³: steel has 7850 kg/m³": "{density} kg/m³: Stahl hat 7850 kg/m³",
+    "was {value} g/cm³ meant?": "waren {value} g/cm³ gemeint?",
+    "{mass} kg is {times} times the mass of shaft '{shaft}', {own} kg: usual is 0.1 to 5 times": (
+        "{mass} kg ist das {times}-Fache der Masse von Welle '{shaft}', {own} kg: üblich ist das 0,1- bis 5-Fache"
+    ),
+    "was {value} g meant, {mass} kg?": "waren {value} g gemeint, {mass} kg?",
+    "{elevation} µm is more than the radial clearance, {clearance} µm: usual are some 10 µm": (
+        "{elevation} µm ist mehr als das radiale Lagerspiel, {clearance} µm: üblich sind einige 10 µm"
+    ),
+    "elevations are in m, over the place at which couplings carry nothing": (
+        "Höhenlagen sind in m, über der Lage, bei der Kupplungen nichts tragen"
+    ),
+    "{allowed} {unit}: growth from cold to hot alone passes it": (
+        "{allowed} {unit}: schon was von kalt nach warm wächst, überschreitet das"
+    ),
+    "{allowed} {unit}: no alarm would come in time": "{allowed} {unit}: kein Alarm käme rechtzeitig",
+    "usual is {low} to {high} {unit}": "üblich ist {low} bis {high} {unit}",
+    (
+        "{clearance} µm is {part} of the radius, {radius} m: usual is 0.001 to 0.002 of it, half the difference of the "
+        "diameters"
+    ): (
+        "{clearance} µm ist das {part}-Fache des Radius, {radius} m: üblich ist das 0,001- bis 0,002-Fache, die halbe "
+        "Differenz der Durchmesser"
+    ),
+    "{value} °C: oil is hardly ever above {hottest} °C there": "{value} °C: Öl ist dort kaum je wärmer als {hottest} °C",
+    "the bore of a {profile} bearing without preload is round: usual is 0.3 to 0.6": (
+        "die Bohrung eines Lagers der Form {profile} ist ohne Vorspannung rund: üblich ist 0,3 bis 0,6"
+    ),
+    "was {value} °F meant, {celsius} °C?": "waren {value} °F gemeint, {celsius} °C?",
+    "{speed} r/min is not below the end of the speed range, {fastest} r/min: no sample would be left": (
+        "{speed} 1/min liegt nicht unter dem Ende des Drehzahlbereichs, {fastest} 1/min: keine Messung bliebe übrig"
+    ),
+    "{length} m is {part} times the diameter, {diameter} m: usual is 0.3 to 1.2 times": (
+        "{length} m ist das {part}-Fache des Durchmessers, {diameter} m: üblich ist das 0,3- bis 1,2-Fache"
+    ),
+    "{diameter} m, but shaft '{shaft}' is {thick} m thick at station {station} m: the journal is that part of the shaft": (
+        "{diameter} m, aber Welle '{shaft}' ist an der Stelle {station} m {thick} m dick: der Zapfen ist dieser Teil der Welle"
+    ),
+    "{value} {unit}: usual is {least} to {most}": "{value} {unit}: üblich ist {least} bis {most}",
+    "was {value} N/µm meant?": "waren {value} N/µm gemeint?",
+    "was {value} MN m/rad meant?": "waren {value} MN m/rad gemeint?",
+    "the table covers {first} to {last} r/min and is held level beyond its ends, {beyond} r/min": (
+        "die Tabelle reicht von {first} bis {last} 1/min und gilt jenseits ihrer Enden unverändert, {beyond} 1/min"
+    ),
+    "from {low} to {high} and from {start} to {end}": "von {low} bis {high} und von {start} bis {end}",
+    "from {low} to {high}": "von {low} bis {high}",
+    "{load} N: the table covers loads of {least} to {most} N and is held at its end": (
+        "{load} N: die Tabelle reicht für Lasten von {least} bis {most} N und gilt an ihrem Ende unverändert"
+    ),
+    "{value} N/m: bearings usually have 1e5 to 1e9 N/m": "{value} N/m: Lager haben meist 1e5 bis 1e9 N/m",
+    "was N/µm meant?": "war N/µm gemeint?",
+}
