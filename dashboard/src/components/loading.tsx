@@ -56,9 +56,9 @@ export function Loading({ height }: { height: string }) {
   const [seconds, setSeconds] = useState<number | null>(null);
   useEffect(() => {
     const begun = Date.now();
-    const tell = () => setSeconds(Math.round((Date.now() - begun) / 1000));
-    const first = window.setTimeout(tell, SAYS_AFTER_MS);
-    const every = window.setInterval(tell, 1000);
+    const count = () => setSeconds(Math.round((Date.now() - begun) / 1000));
+    const first = window.setTimeout(count, SAYS_AFTER_MS);
+    const every = window.setInterval(count, 1000);
     return () => {
       window.clearTimeout(first);
       window.clearInterval(every);

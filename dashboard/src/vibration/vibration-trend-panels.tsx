@@ -137,8 +137,8 @@ function Trend({ what, probes, unit, column, limits, turn }: TrendProps) {
       </figure>
     );
   }
-  const told = (value: number | null) => (value === null ? "–" : turn ? String(Math.round(withinTurn(value, turn)) % turn) : number(value));
-  const readOut = (at: number) => `${when(probes[0]!.measured_at[at]!)}: ${curves.map(({ name, y }) => `${name} ${told(y[at] ?? null)}`).join(", ")} ${unit}`;
+  const valueText = (value: number | null) => (value === null ? "–" : turn ? String(Math.round(withinTurn(value, turn)) % turn) : number(value));
+  const readOut = (at: number) => `${when(probes[0]!.measured_at[at]!)}: ${curves.map(({ name, y }) => `${name} ${valueText(y[at] ?? null)}`).join(", ")} ${unit}`;
   return (
     <figure>
       <figcaption>
