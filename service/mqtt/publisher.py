@@ -50,8 +50,8 @@ SubscriptionMarks = frozenset[tuple[int, tuple[str, ...] | None]]
 """Subscriptions by their ids, with the plants that each asks for; None for all."""
 
 
-class BrokerAway(ConnectionError):
-    """The broker is away; the message says since when nothing can be published, and why."""
+class BrokerUnavailable(ConnectionError):
+    """The broker does not answer; the message says since when nothing can be published, and why."""
 
 
 @dataclass(frozen=True)
@@ -91,18 +91,18 @@ class MqttAlerts(MqttThread):
         return new_client(self._settings, "alerts", lasting=False, will=will)
 
     async def publish_event(self, plant: str, event: AlertEvent) -> str:
-        """Publish an event and return its topic, once the broker has it. For any event loop. Raises BrokerAway."""
+        """Publish an event and return its topic, once the broker has it. For any event loop. Raises BrokerUnavailable."""
         ends = asyncio.get_running_loop().time() + PATIENCE_S
         while self._ready is None or self._loop is None:
             if asyncio.get_running_loop().time() > ends or self._stop.is_set():
-                raise BrokerAway(self.trouble or "the broker is away")
+                raise BrokerUnavailable(self.trouble or "the broker is away")
             await asyncio.sleep(0.02)
         message = self._message_of(plant, event)
         sending: Future[None] = asyncio.run_coroutine_threadsafe(self._publish(self._ready, message), self._loop)
         try:
             await asyncio.wrap_future(sending)
         except aiomqtt.MqttError as error:
-            raise BrokerAway(f"{self._settings.mqtt_url} cannot be used: {error}") from error
+            raise BrokerUnavailable(f"{self._settings.mqtt_url} cannot be used: {error}") from error
         return message.topic
 
     async def use(self, client: aiomqtt.Client) -> None:
