@@ -72,7 +72,7 @@ def imports() -> dict[str, frozenset[str]]:
 
 @cache
 def arrows() -> dict[str, dict[str, str]]:
-    """From each room to others, with one import that makes the arrow."""
+    """Return the arrows from each room to others, with one import that makes each."""
     found: dict[str, dict[str, str]] = defaultdict(dict)
     for module, others in imports().items():
         for other in others:
@@ -82,7 +82,7 @@ def arrows() -> dict[str, dict[str, str]]:
 
 
 def packages() -> dict[str, set[str]]:
-    """From each package to those that its rooms import."""
+    """Return from each package those that its rooms import."""
     found: dict[str, set[str]] = {one: set() for one in PACKAGES}
     for one, others in arrows().items():
         own = one.split("/")[0]

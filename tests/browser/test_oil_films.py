@@ -35,7 +35,7 @@ def films(place: Service, serving: object) -> Service:
 
 
 def told(service: Service) -> dict[str, dict[str, Any]]:
-    """By name what the newest accepted identification says."""
+    """Return what the newest accepted identification reports, by name."""
     newest = next(one for one in service.get(f"/machines/{FILMS}/identifications") if one["accepted"])
     found = service.get(f"/identifications/{newest['id']}")
     return {one.get("parameter") or one["name"]: one for one in (*found["estimates"], *found["derived"])}

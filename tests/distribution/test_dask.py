@@ -126,7 +126,7 @@ def test_a_job_that_kills_its_process_every_time_is_put_aside_and_others_go_on(
 
 
 def attempts(database: Database) -> list[int]:
-    """Of the jobs, oldest first."""
+    """Return the jobs' attempts, oldest first."""
     with database.reading() as session:
         return [row.attempts for row in reversed(jobs.of_machine(session, "thesis-chapter-3", limit=100))]
 

@@ -29,7 +29,7 @@ OWN_PART = 0.05 * np.sqrt(0.6)
 
 
 def drawn_variation(rng: np.random.Generator, coordinates: Coordinates) -> Floats:
-    """By how much one run's coordinates differ from the machine's, by their names."""
+    """Draw the deviations of one run's coordinates from the machine's, by name."""
     warmer = VARIATION.oil * rng.standard_normal()
     found = np.zeros(coordinates.size)
     for place, name in enumerate(coordinates.names):
@@ -69,7 +69,7 @@ these, so that what the season brings counts."""
 
 
 def drawn_season(rng: np.random.Generator, thicker: float) -> Floats:
-    """By how much coordinates differ in a season whose oil has a viscosity with another logarithm."""
+    """Draw the deviations of coordinates in a season whose oil has a viscosity with another logarithm."""
     part = abs(thicker) / SEASONS.slow_oil
     own = {"viscosity": SEASONS.slow_viscosity, "clearance": SEASONS.slow_clearance}
     quantities = [describe(name).quantity for name in COORDINATES.names]

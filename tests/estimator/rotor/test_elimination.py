@@ -21,7 +21,7 @@ def condensed(document: Document, monkeypatch: pytest.MonkeyPatch, *, banded: bo
 
 
 def sensitive(train: CondensedTrain) -> Sensitivity:
-    """At scale factors that are not 1, where there are any."""
+    """Compute the sensitivity at scale factors other than 1, where there are any."""
     unknown = train.unknowns
     coefficients = np.array([one.expected for one in unknown.coefficients])
     excitations = np.array([one.nominal or 1e-4 + 2e-4j for one in unknown.excitations], dtype=complex)

@@ -280,7 +280,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
 ) -> None:
     monkeypatch.setattr(dispatcher_module, "RETRY_S", 0.05)
 
-    class Confused(WholeShare):
+    class FailingShare(WholeShare):
         clear = False
 
         def is_leader(self, work: str) -> bool:
@@ -288,7 +288,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
                 raise LookupError(work)
             return True
 
-    share = Confused()
+    share = FailingShare()
     one = Dispatcher(plant, network[0], settings(), share)
     one.start()
     try:

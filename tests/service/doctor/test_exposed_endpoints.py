@@ -29,7 +29,7 @@ API = "REST API, page and metrics"
 
 @pytest.fixture(scope="module")
 def certificates(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """As the script makes them, with rules for one source."""
+    """Certificates that the script makes, with rules for one source."""
     folder = tmp_path_factory.mktemp("certificates")
     for names in (("authority",), ("service", "127.0.0.1")):
         subprocess.run([ROOT / "deploy" / "certificates.sh", folder, *names], check=True, capture_output=True, timeout=30)

@@ -8,7 +8,7 @@ from typing import Any
 
 from starlette.types import Message, Receive, Scope, Send
 
-from service.http.fair_scheduling import AT_ONCE_S, MOST_LET_IN, PERSON, FairScheduling, LatelyLetIn
+from service.http.fair_scheduling import AT_ONCE_S, MOST_LET_IN, PERSON, FairScheduling, RecentCredentials
 
 Ask = Callable[[Scope], Coroutine[Any, Any, None]]
 
@@ -124,7 +124,7 @@ def let_in(key: bytes, person: str) -> Scope:
 
 
 def test_credentials_of_whom_nobody_let_in_lately_are_forgotten() -> None:
-    people = LatelyLetIn()
+    people = RecentCredentials()
     for number in range(MOST_LET_IN + 1):
         people.record(let_in(b"%d" % number, f"person {number}"))
     assert people.person(asked("10.0.0.1", key=b"0")) == ""

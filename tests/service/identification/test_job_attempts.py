@@ -120,7 +120,7 @@ def stopped(_: IdentificationTask) -> IdentificationOutcome:
 
 
 def costly(tries: Path, until: int, error: str, task: IdentificationTask) -> IdentificationOutcome:
-    """Computes in its process from a try on; before that it uses it up. tries: file with a line for each try."""
+    """Compute from one try on; exceed a limit of the process before. tries: file with a line for each try."""
     with tries.open("a") as counted:
         counted.write("tried\n")
     if len(tries.read_text().splitlines()) < until:
@@ -187,7 +187,7 @@ def test_a_job_that_takes_more_than_it_may_has_three_tries(
 
 
 def spoiled(tries: Path, task: IdentificationTask) -> IdentificationOutcome:
-    """Of the first try a result that cannot be stored, of the second an error that cannot be. tries: as of `costly`."""
+    """Return a result that cannot be stored at the first try, raise such an error at the second. tries: as in `costly`."""
     with tries.open("a") as counted:
         counted.write("tried\n")
     count = len(tries.read_text().splitlines())

@@ -145,7 +145,7 @@ def test_a_result_is_kept_and_the_next_one_computed_when_nothing_can_be_conclude
 
 
 def made_anew(database: Database, run_id: int) -> int:
-    """As late samples do it, here with fewer samples; returns how many."""
+    """Rebuild a run as late samples do, here with fewer samples; return how many."""
     with database.transaction() as session:
         held, row = runs.samples(session, run_id), runs.get(session, run_id)
         assert held is not None

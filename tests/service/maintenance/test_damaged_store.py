@@ -65,7 +65,7 @@ def path(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def database(path: Path) -> Iterator[Database]:
-    """It, open."""
+    """The damaged store, open."""
     one = Database(sqlite_url(path))
     yield one
     one.close()

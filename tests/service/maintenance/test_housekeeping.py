@@ -400,7 +400,7 @@ class _Elsewhere(WholeShare):
     leading = True
 
     def is_leader(self, work: str) -> bool:  # noqa: ARG002
-        """As told."""
+        """Return what the test has set."""
         return self.leading
 
 

@@ -55,7 +55,7 @@ class Led(WholeShare):
     leading = True
 
     def is_leader(self, work: str) -> bool:  # noqa: ARG002
-        """As told."""
+        """Return what the test has set."""
         return self.leading
 
 
@@ -69,7 +69,7 @@ class AgedStore:
         self.start()
 
     def start(self) -> None:
-        """As after a restart."""
+        """Start it, like a service after a restart."""
         settings = Settings(database=self.database.url, raw_days=MONTH, run_days=MONTH)
         self.housekeeping = Housekeeping(self.database, settings)
 

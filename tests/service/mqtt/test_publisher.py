@@ -15,7 +15,7 @@ from service.mqtt.publisher import MqttAlerts, RetainedMessage
 from service.replication.work_share import WholeShare
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from tests.mosquitto import Listener, Mosquitto, broker
+from tests.mosquitto import BrokerListener, Mosquitto, broker
 from tests.plant import KEY, START, identification, store_identification, wait_until
 from tests.service.mqtt.conftest import settings_of
 
@@ -128,7 +128,7 @@ def stored(plant: Database, number: int) -> int:
         return store_identification(session, identification(), run_id=number, measured_at=START + number * 10**9).id
 
 
-def told_trends(hmi: Listener) -> list[int]:
+def told_trends(hmi: BrokerListener) -> list[int]:
     """Ids of the identifications that a client has received, in order."""
     return [json.loads(one.payload)["identification"] for one in list(hmi.heard) if one.topic == TRENDS]
 

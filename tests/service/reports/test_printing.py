@@ -30,8 +30,7 @@ from tests.databases import Databases, opened
 from tests.estimator.alignment.drawn_runs import MODEL
 from tests.paths import ROOT
 from tests.plant import KEY, START
-from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
-from tests.service.monitoring.test_alignment_alerts import sunk
+from tests.service.monitoring.test_alignment_alerts import FilmWeeks, sunk
 from tests.service.monitoring.test_assessment import BASELINE
 from tests.service.monitoring.test_assessment import Weeks as CoefficientWeeks
 

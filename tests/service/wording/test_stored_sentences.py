@@ -72,7 +72,7 @@ def test_sentences_are_those_that_the_service_stores() -> None:
 
 
 def pieces(fragment: str, text: str) -> int:
-    """Of how many pieces of a text a fragment is put together, each as long as can be: one where it stands there whole."""
+    """Count the pieces of a text that make up a fragment, each as long as can be: one where it stands there whole."""
     words, count = fragment.split(), 0
     while words:
         length = next((one for one in range(len(words), 0, -1) if " ".join(words[:one]) in text), 1)

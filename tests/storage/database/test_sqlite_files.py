@@ -51,7 +51,7 @@ def in_the_file_alone(folder: Path) -> list[str]:
 
 
 def replaced(file: Path) -> None:
-    """By a copy of it."""
+    """Replace the file by a copy of it."""
     shutil.copy(file, file.with_name("copy"))
     file.with_name("copy").replace(file)
 
@@ -259,7 +259,7 @@ def test_a_page_of_the_log_that_is_the_newest_takes_the_store_back_to_before_it(
 
 
 def written_over(file: Path, by: Path) -> None:
-    """As `cp` does: in place, and not at once."""
+    """Overwrite the file like `cp`: in place, and not at once."""
     with file.open("wb") as target, by.open("rb") as source:
         while piece := source.read(65_536):
             target.write(piece)

@@ -289,7 +289,7 @@ def test_a_target_in_a_network_that_the_operator_names_is_taken(plant: Database)
 # --- the stream -----------------------------------------------------------------------------------------------------
 
 
-class Listener:
+class StreamListener:
     """A client of the stream in a thread of its own."""
 
     def __init__(self, api: httpx.Client, **how: Any) -> None:
@@ -329,10 +329,10 @@ class Listener:
 def test_the_stream_tells_what_happens_and_repeats_what_was_missed(plant: Database, api: httpx.Client) -> None:
     raised(plant, "coupling.C0")
     raised(plant, "coupling.C1")
-    late = Listener(api, headers={"Last-Event-ID": "1"})
+    late = StreamListener(api, headers={"Last-Event-ID": "1"})
     wait_until(lambda: late.ids() == [2])
     late.close()
-    everything = Listener(api, params={"after": 0})
+    everything = StreamListener(api, params={"after": 0})
     wait_until(lambda: everything.ids() == [1, 2])
     everything.close()
     assert [one["element"] for _, one in everything.events] == ["coupling.C0", "coupling.C1"]
@@ -340,7 +340,7 @@ def test_the_stream_tells_what_happens_and_repeats_what_was_missed(plant: Databa
 
 def test_the_stream_is_live(plant: Database, api: httpx.Client) -> None:
     raised(plant, "coupling.C0")
-    live = Listener(api)
+    live = StreamListener(api)
     raised(plant, "coupling.C1")
     wait_until(lambda: live.ids() == [2], seconds=5.0)
     live.close()
@@ -377,7 +377,7 @@ def greeting(plant: Database, after: int | None, *, then: Callable[[], object] |
     return asyncio.run(scenario())
 
 
-class Confused(Broadcaster):
+class FailingBroadcaster(Broadcaster):
     """Meets what nobody expected, until it is told that this is over."""
 
     puzzled = False
@@ -393,7 +393,7 @@ def test_what_nobody_expected_ends_no_stream_and_is_told_of_until_it_is_over(
 ) -> None:
     monkeypatch.setattr(event_stream, "RETRY_S", 0.02)
     api = Api(plant)
-    broadcaster = api.app.state.broadcaster = Confused(plant)
+    broadcaster = api.app.state.broadcaster = FailingBroadcaster(plant)
 
     async def until(trouble: bool) -> None:
         deadline = time.monotonic() + 10.0

@@ -17,7 +17,7 @@ TAKING_UNITS = ["/runs/1/phasors", f"/machines/{KEY.machine}/samples", f"/machin
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a machine with a run and some identifications."""
+    """An API over a machine with a run and some identifications."""
     with plant.transaction() as session:
         run = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START)
         held = samples(RUN, start=START, rpm=sweep_rpm(2900.0, 400.0, RUN))

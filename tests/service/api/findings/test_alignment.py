@@ -51,7 +51,7 @@ def file(database: Database, week: int, point: Floats, *, run_kind: str = "run-d
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a baseline of aligned runs, and one after it in which the driven shaft has risen."""
+    """An API over a baseline of aligned runs, and one after it in which the driven shaft has risen."""
     with plant.transaction() as session:
         machines.create(session, MACHINE)
     for week in range(1, BASELINE + 1):

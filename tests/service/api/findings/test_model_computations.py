@@ -101,7 +101,7 @@ def test_computations_whose_clients_have_gone_are_given_up(modelled: Api, monkey
 
 @pytest.fixture(scope="module")
 def beside(modelled: Api) -> Api:
-    """Over the same store, with the process that is started for the first long train."""
+    """An API over the same store, with the process that is started for the first long train."""
     return Api(modelled.database)
 
 

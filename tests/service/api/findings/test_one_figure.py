@@ -29,8 +29,7 @@ from tests.contradictions import contradictions
 from tests.estimator.alignment.drawn_runs import MODEL
 from tests.plant import KEY
 from tests.service.delivery.receivers import settings
-from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
-from tests.service.monitoring.test_alignment_alerts import sunk
+from tests.service.monitoring.test_alignment_alerts import FilmWeeks, sunk
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, Weeks
 
 STORIES: Mapping[str, Mapping[str, float]] = {

@@ -20,7 +20,7 @@ from tests.prompt_writer import PromptWriter
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over one machine in a run-up with two alerts, and one of which nothing is known."""
+    """An API over one machine in a run-up with two alerts, and one of which nothing is known."""
     PromptWriter(plant, Collector()).store([arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], [])
     with plant.transaction() as session:
         machines.create(session, machine(id="fan-2", name="Fan 2"))
