@@ -1,4 +1,4 @@
-"""What is declared is registered: a forgotten name in a registry would be found by nobody, as the rest works without it."""
+"""Registries hold all that is declared: a forgotten name would be found by nobody, as the rest works without it."""
 
 from importlib import import_module
 from pathlib import Path

@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 PERSON = "person"
 """Key in a request's state under which the guard says whom it has let in."""
 CREDENTIALS = frozenset({b"authorization", b"cookie"})
-"""Headers with what people log in."""
+"""Headers that carry credentials."""
 MOST_LET_IN = 2000
 """Number of credentials that are recorded."""
 AT_ONCE_S = 0.001

@@ -102,7 +102,7 @@ def request_identification(session: Session, run_id: int, request: Request, requ
 
 
 def _first_missing(there: Callable[[int], bool]) -> int:
-    """Return the first number that does not exist, of contiguous numbers from 0 on, in logarithmically many look-ups."""
+    """Return the first free number behind contiguous ones from 0 on, in O(log n) look-ups."""
     beyond = 1
     if not there(0):
         return 0
