@@ -52,7 +52,7 @@ def test_bands_keep_no_transfer(monkeypatch: pytest.MonkeyPatch) -> None:
     assert train.shafts.forward.transfer.size == train.shafts.forward.response.size == 0
 
 
-def test_a_speed_that_cannot_be_condensed_at_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_speed_that_cannot_be_condensed_at_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(elimination, "LARGEST_TRANSFER", 1e-12)
     with pytest.raises(SingularCondensation, match=f"speed {SPEED[0]:.6g} rad/s falls on a natural frequency"):
         condensed(plain(), monkeypatch, banded=True)

@@ -66,7 +66,7 @@ def found(what: str, **settings: Any) -> ExposedEndpoint:
         ({"public_url": "http://localhost:8080"}, "local", "host=127.0.0.1"),
     ],
 )
-def test_the_api_is_told_of_with_the_setting_that_makes_it_so(
+def test_the_api_is_reported_with_the_setting_that_makes_it_so(
     tmp_path: Path, settings: dict[str, Any], level: str, words: str
 ) -> None:
     one = found(API, database=sqlite_url(tmp_path / "none.db"), **settings)
@@ -111,7 +111,7 @@ def test_what_anybody_may_ask_is_that_of_the_table_of_operations(tmp_path: Path)
         ("inner addresses for webhooks", {"delivery_networks": ["::/0"]}, "weak", "::/0"),
     ],
 )
-def test_every_other_door_is_told_of(tmp_path: Path, what: str, settings: dict[str, Any], level: str, words: str) -> None:
+def test_every_other_door_is_reported(tmp_path: Path, what: str, settings: dict[str, Any], level: str, words: str) -> None:
     one = found(what, **({"database": sqlite_url(tmp_path / "none.db")} | settings))
     assert (one.level, words in one.because) == (level, True), one
     assert "s3cret" not in repr(one)

@@ -85,7 +85,7 @@ def test_quick_ones_begin_together() -> None:
     assert max(most_between(holding_s=0.0) for _ in range(5)) > 1
 
 
-def test_clients_take_turns_and_life_is_told_at_once() -> None:
+def test_clients_take_turns_and_life_is_reported_at_once() -> None:
     async def attack(ask: Ask) -> None:
         async with asyncio.TaskGroup() as group:
             for _ in range(40):

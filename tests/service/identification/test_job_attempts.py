@@ -54,7 +54,7 @@ def test_killed_worker_costs_an_attempt_and_no_job(database: Database, train: Ma
         assert len(identifications.of_machine(session, train.id)) == 4
 
 
-def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_told(
+def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_reported(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("service.workers.process_pool.GRACE_S", 1.0)
@@ -81,7 +81,7 @@ def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_told(
         assert [row.attempts for row in jobs.of_machine(session, train.id, limit=10)] == [2, 2, 1, 1]
 
 
-def test_where_no_worker_can_be_started_jobs_wait_unhurt_and_that_is_told(
+def test_where_no_worker_can_be_started_jobs_wait_unhurt_and_that_is_reported(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def no_memory(_: object) -> None:

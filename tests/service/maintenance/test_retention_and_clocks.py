@@ -215,7 +215,7 @@ def test_what_was_served_before_the_end_counts_after_a_start(store: AgedStore, c
     assert kept[0] == pytest.approx(time.time_ns() - MONTH * DAY_NS, abs=10 * SECOND)
 
 
-def test_what_waits_is_told_by_the_replica_that_leads(
+def test_what_waits_is_reported_by_the_replica_that_leads(
     store: AgedStore, clocks: Clocks, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And the time that another one leads is not counted by this one."""

@@ -157,14 +157,14 @@ def test_beside_a_worn_bearing_alert_table_and_report_tell_the_offset_that_is_th
     assert set(fit.causes) == {("misalignment", "coupling.C1"), ("wear", "bearing.B2")}
 
 
-def test_what_is_within_tolerance_is_told_as_a_change(weeks: FilmWeeks) -> None:
+def test_what_is_within_tolerance_is_reported_as_a_change(weeks: FilmWeeks) -> None:
     weeks.file(sunk(20e-6), times=3)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.severity) == ("misalignment", 1)
     assert words_of(alert).startswith("Coupling C1 has changed its alignment: the driven shaft lies ")
 
 
-def test_what_stands_for_months_is_told_since_it_began(weeks: FilmWeeks) -> None:
+def test_what_stands_for_months_is_reported_since_it_began(weeks: FilmWeeks) -> None:
     """The newest runs alone say what is there, all of them since when."""
     weeks.file(sunk(120e-6), times=2)
     (first,) = weeks.alerts()
@@ -183,7 +183,7 @@ def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: 
     assert (alert.rule, alert.element) == ("misalignment", "coupling.C1")
 
 
-def test_wear_is_told_in_per_cent_of_the_clearance(weeks: FilmWeeks) -> None:
+def test_wear_is_reported_in_per_cent_of_the_clearance(weeks: FilmWeeks) -> None:
     weeks.file({"bearing.B2.clearance": np.log(1.15)}, times=2)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.element) == ("wear", "bearing.B2")

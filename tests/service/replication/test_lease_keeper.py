@@ -51,7 +51,7 @@ class FailingKeeper(LeaseKeeper):
         super()._round()
 
 
-def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_nobody_expected_is_reported_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lease_keeper, "ROUND_S", 0.02)
     plant.claim(shared=True)
     living = FailingKeeper(plant, "all")

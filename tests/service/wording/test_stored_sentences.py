@@ -80,7 +80,7 @@ def pieces(fragment: str, text: str) -> int:
     return count
 
 
-def test_comments_of_the_service_are_told_in_a_language_and_reasons_of_people_as_they_were_given() -> None:
+def test_comments_of_the_service_are_reported_in_a_language_and_reasons_of_people_as_they_were_given() -> None:
     assert comment_in_language("its cause is gone", GERMAN) == "die Ursache ist entfallen"
     assert comment_in_language("its time is over", GERMAN) == "die Zeit ist abgelaufen"
     said = comment_in_language("a new baseline begins: bearing B1 and coupling renewed; aligned", GERMAN)

@@ -407,7 +407,7 @@ def test_checkpoints_of_every_kind_are_no_cut(database: Database, tmp_path: Path
         database.check()
 
 
-def test_a_log_that_grows_and_is_begun_anew_while_others_look_is_whole(database: Database) -> None:
+def test_a_log_that_grows_and_is_begun_again_while_others_look_is_whole(database: Database) -> None:
     """SQLite makes a checkpoint of its own after a thousand pages."""
     stop, troubles = threading.Event(), []
 

@@ -72,7 +72,7 @@ def test_an_alert_is_acknowledged_and_its_history_says_by_whom(plant: Database, 
     assert api.get(f"/alerts/{alert}").json()["state"] == "normal"
 
 
-def test_alerts_are_told_in_the_language_of_who_asks(plant: Database, api: httpx.Client) -> None:
+def test_alerts_are_reported_in_the_language_of_who_asks(plant: Database, api: httpx.Client) -> None:
     alert = raised(plant)
     german = {"accept-language": "de-DE,de;q=0.9,en;q=0.5"}
     for path in ("/alerts", "/machines/pump-7/alerts"):
@@ -95,7 +95,7 @@ def test_alerts_are_told_in_the_language_of_who_asks(plant: Database, api: httpx
     assert (answer.status_code, answer.json()["message"]) == (200, "Misalignment of coupling C1")
 
 
-def test_what_the_service_wrote_into_a_history_is_told_in_the_language_and_what_people_wrote_is_not(
+def test_what_the_service_wrote_into_a_history_is_reported_in_the_language_and_what_people_wrote_is_not(
     plant: Database, api: httpx.Client
 ) -> None:
     alert = raised(plant)
@@ -352,7 +352,7 @@ def test_the_stream_begins_with_the_number_behind_which_it_begins(plant: Databas
     assert b"\nid: 0\n" in greeting(plant, 0)
 
 
-def test_a_number_that_no_event_has_reached_is_of_another_store_and_the_stream_begins_anew(plant: Database) -> None:
+def test_a_number_that_no_event_has_reached_is_of_another_store_and_the_stream_begins_again(plant: Database) -> None:
     raised(plant, "coupling.C0")
     assert b"there is no event 500:" in greeting(plant, 500)
     live = greeting(plant, 500, then=lambda: raised(plant, "coupling.C1"))
@@ -388,7 +388,7 @@ class FailingBroadcaster(Broadcaster):
         return super()._read(after)
 
 
-def test_what_nobody_expected_ends_no_stream_and_is_told_of_until_it_is_over(
+def test_what_nobody_expected_ends_no_stream_and_is_reported_until_it_is_over(
     plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(event_stream, "RETRY_S", 0.02)
@@ -440,7 +440,7 @@ def test_who_joins_while_nobody_reads_takes_no_event_from_who_was_there(plant: D
     assert asyncio.run(scenario()).startswith(b"id: 1\nevent: alert\n")
 
 
-def test_an_event_that_cannot_be_told_stops_none_behind_it(plant: Database) -> None:
+def test_an_event_that_cannot_be_reported_stops_none_behind_it(plant: Database) -> None:
     raised(plant, "coupling.C0")
     with plant.transaction() as session:
         session.execute(text("UPDATE alert_events SET severity = 9"))  # there is no such severity

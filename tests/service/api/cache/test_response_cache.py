@@ -96,7 +96,7 @@ def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database,
     assert asyncio.run(story()) == expected
 
 
-def test_what_is_a_little_behind_is_made_anew_while_nobody_waits(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_a_little_behind_is_rebuilt_while_nobody_waits(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     go_on = threading.Event()
     go_on.set()
     make = CountingApp(meanwhile=lambda: go_on.wait(10))
@@ -124,7 +124,7 @@ def test_what_is_a_little_behind_is_made_anew_while_nobody_waits(database: Datab
     assert make.made == 2
 
 
-def test_what_goes_wrong_while_nobody_waits_is_told_to_who_asks_next(
+def test_what_goes_wrong_while_nobody_waits_is_reported_to_who_asks_next(
     database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail() -> None:
@@ -188,7 +188,7 @@ def test_what_differs_in_what_it_depends_on_is_made_apart(database: Database) ->
     assert asyncio.run(story()) == 5
 
 
-def test_an_error_is_told_and_not_kept(database: Database) -> None:
+def test_an_error_is_reported_and_not_kept(database: Database) -> None:
     def wrong() -> Response:
         raise ValueError("no")
 

@@ -49,7 +49,7 @@ def asked(api: Api) -> Callable[[str], Any]:
 
 
 @pytest.mark.parametrize("rule", STORIES)
-def test_a_train_with_coefficients_is_told_in_one_way(plant: Database, rule: str) -> None:
+def test_a_train_with_coefficients_is_reported_in_one_way(plant: Database, rule: str) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE, unknown=("coupling.C1.cxx",))
@@ -63,7 +63,7 @@ def test_a_train_with_coefficients_is_told_in_one_way(plant: Database, rule: str
 
 
 @pytest.mark.parametrize("rule", FILM_STORIES)
-def test_a_train_on_oil_films_is_told_in_one_way(plant: Database, rule: str) -> None:
+def test_a_train_on_oil_films_is_reported_in_one_way(plant: Database, rule: str) -> None:
     weeks = FilmWeeks(plant)
     weeks.file({}, times=BASELINE + 2)
     weeks.file(FILM_STORIES[rule], times=3)

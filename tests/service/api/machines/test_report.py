@@ -100,7 +100,7 @@ class _Never:
 
 
 @pytest.mark.usefixtures("stiffer")
-def test_figures_of_a_newer_run_make_the_report_anew(plant: Database) -> None:
+def test_figures_of_a_newer_run_renew_the_report(plant: Database) -> None:
     """An open alert follows its newest run without an event."""
     with plant.reading() as session:
         before = report_stamp(session, KEY.machine)
