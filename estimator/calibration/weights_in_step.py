@@ -20,7 +20,7 @@ SMALLEST_CHANCE = 1e-3
 FEW = 8
 """Number of independent differences beside those that weights may explain, beneath which wrong weights are seen less well."""
 SMALLEST_CHANCE_OF_FEW = 0.1
-"""The same chance where there are no more than `FEW` differences [-]."""
+"""Chance as above with so few of them [-]."""
 IN_STEP = "and go with these"
 ONE_MORE = "one disc of one mounting by far more than the others"
 NOT_SEEN = "which chance would do as well without any"
