@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 
 from tests.estimator.test_docstrings import NO_OPENING, QUESTIONS, VERBS
+from tests.paths import PACKAGES as INSTALLED
+from tests.paths import ROOT
 from tests.syntax_trees import parsed, statements
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = ("service", "storage", "formats", "rotorundown", "benchmarks")
+PACKAGES = (*sorted({*INSTALLED} - {"estimator"}), "benchmarks")
 OWN_VERBS = (
     "Accept Acknowledge Acquire Allow Answer Append Apply Ask Begin Bind Call Cancel Claim Clear Close Commit Complete "
     "Compose Compress Configure Confirm Copy Create Decode Decrypt Delete Deliver Demonstrate Disable Disconnect Drop "

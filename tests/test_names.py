@@ -5,10 +5,11 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator
 
-from tests.imports import ROOT
+from tests.paths import PACKAGES as INSTALLED
+from tests.paths import ROOT
 from tests.syntax_trees import parsed, statements
 
-PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
+PACKAGES = (*INSTALLED, "benchmarks")
 
 _DIALECT = """
 ails anew befalls doubt giving happen hasten heard holes lest letter noted news people putting said say some spoken tell

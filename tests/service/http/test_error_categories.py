@@ -13,7 +13,7 @@ from service.http.error_status import STATUS, status_of
 from service.identification.job_quota import QuotaExceeded
 from storage.encoding.sample_blocks import DamagedBlock
 from storage.machines.machines import MachineUnknown
-from tests.paths import ROOT
+from tests.paths import PACKAGES, ROOT
 from tests.syntax_trees import parsed, statements
 
 
@@ -103,7 +103,7 @@ def without_category(source: str, classes: Mapping[str, set[str]]) -> list[str]:
 
 def test_no_error_without_a_category_is_raised_where_it_would_reach_a_caller() -> None:
     """It would be answered as an unexpected error, with status 500."""
-    classes = own_classes(("estimator", "storage", "formats", "service"))
+    classes = own_classes(PACKAGES)
     paths = [path for room in REACHED for path in sorted((ROOT / room).rglob("*.py"))]
     found = {path.relative_to(ROOT).as_posix(): without_category(path.read_text(), classes) for path in paths}
     assert {path: errors for path, errors in found.items() if errors} == {}
