@@ -71,12 +71,15 @@ def test_an_error_says_what_a_special_answer_needs() -> None:
 REACHED = (
     "service/api",
     "service/balancing",
+    "service/identification",
+    "service/monitoring",
     "storage/alerts",
+    "storage/encoding",
     "storage/findings",
     "storage/machines",
     "storage/measurements",
 )
-"""Rooms whose errors reach whoever asks over HTTP: the API's, and the repositories that it calls."""
+"""Rooms whose errors reach whoever asks over HTTP: the API's, and the jobs, findings and repositories that it asks."""
 
 
 def own_classes(packages: Iterable[str]) -> dict[str, set[str]]:
