@@ -124,7 +124,7 @@ function chanceOf(beyond: number): string {
   return part > MOST_CHANCE ? t("chanceAbove", { per_cent: MOST_CHANCE }) : `${Math.round(part)} %`;
 }
 
-/** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
+/** Difference of the alignment from its target, hot or cold, with the probability that it is too large where it probably is. */
 function TargetCell({ target: { state, target, off, beyond }, unit }: { target: AlignmentTarget; unit: string }) {
   const units = useUnits();
   if (off.value === null) return <td class="number muted reason">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;

@@ -88,7 +88,7 @@ function CentrelinePlots({ lines, other, overlaid }: { lines: Centreline; other:
   );
 }
 
-/** Of the model's line and of each run's gaps; of an identification that is laid over, with its number. */
+/** Names of the model's line and of each run's gaps, with the number of an identification that is overlaid. */
 function namesOf({ measured }: Centreline, overlaid = ""): string[] {
   const model = overlaid ? t("modelsLineOf", { id: overlaid }) : t("modelsLine");
   return [model, ...measured.map(({ run }) => t("gapsOfRun", { run }))];
@@ -99,7 +99,7 @@ function measuredText({ measured }: Centreline): string {
   return t("zerosSetByTheModel");
 }
 
-/** style: of the first of the names. */
+/** style: style of the line of the first name. */
 function linesOf(found: Centreline, bearing: string, { length, speed }: Units, names: string[], style: number): JournalLine[] {
   const modelled = found.bearings.find((one) => one.bearing === bearing);
   const line = (at: number, rpm: number[], x: (number | null)[], y: (number | null)[]): JournalLine => ({

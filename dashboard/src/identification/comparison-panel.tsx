@@ -19,7 +19,7 @@ const SIGNIFICANT = 3;
 interface Props {
   shown: string;
   all: IdentificationSummary[];
-  /** Of the identification that is shown: they tell the units. */
+  /** Estimates of the identification that is shown, which have the units. */
   estimates: Estimate[];
 }
 

@@ -47,7 +47,7 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
   );
 }
 
-/** With as many digits as tell the interval's ends apart. */
+/** Text with as many digits as distinguish the interval's ends. */
 function bound(value: number | null, { lower, upper }: CriticalSpeed, { factor }: Unit): string {
   if (value === null) return "–";
   const width = lower === null || upper === null ? Infinity : (upper - lower) * factor;

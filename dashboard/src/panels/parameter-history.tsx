@@ -15,7 +15,7 @@ import { atOnce, curveName, historyPoints, overAll, pointHead, seconds, type His
 interface Props {
   name: string;
   history: MachineHistory;
-  /** Of another machine, in the same plot. */
+  /** History of another machine, in the same plot. */
   beside: MachineHistory | undefined;
   kinds: string[];
   markers: Marker[];

@@ -9,7 +9,7 @@ const SIZE = 260;
 const RADIUS = 104;
 /** Speeds written beside a line: its first, middle and last. */
 const LABELS = [0, 0.5, 1];
-/** From a line inwards to the words beside it, beyond what gaps scatter about it and clear of the circle. */
+/** Distance inwards from a line to its text: beyond the scatter of gaps, and clear of the circle. */
 const BESIDE = 11;
 
 export interface JournalLine {

@@ -16,7 +16,7 @@ const SHORT_NAME = 5;
 const CORNER_NAME = 16;
 const BASE_WIDTH = 200;
 const BASE_HEIGHT = 70;
-/** From an amplitude, 0-to-peak, to peak-to-peak. */
+/** Factor from 0-to-peak to peak-to-peak. */
 const PEAK_TO_PEAK = 2;
 
 interface Props {

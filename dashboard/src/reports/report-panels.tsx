@@ -92,7 +92,7 @@ export function AlertsOfPeriod({ result, alerts }: { result: QueryResult<Alert[]
   );
 }
 
-/** Of each alert that was open at the end: how far, how urgent, what to do. */
+/** Advice on each alert that was open at the end: how far, how urgent, what to do. */
 export function WhatToDo({ open }: { open: Alert[] }) {
   const advised = open.filter((one) => one.advice);
   if (advised.length === 0) return null;

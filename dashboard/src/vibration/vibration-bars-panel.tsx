@@ -78,7 +78,7 @@ function largestGap({ probes }: Vibration): number {
 interface BarProps {
   probe: ProbeVibration;
   limits: VibrationLimits;
-  /** Of the longest bar [µm pp], and of that of a gap [µm]. */
+  /** Values of the longest bar [µm pp] and of the longest bar of a gap [µm]. */
   full: number;
   fullGap: number;
   unit: Unit;

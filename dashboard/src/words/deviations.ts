@@ -7,9 +7,9 @@ import type { Deviations, ElementSize, ParameterDeviation } from "../schemas/tre
 /** Elements less probable than this in the baseline state have changed. */
 export const CHANGED = 1e-3;
 
-/** Beyond this nobody doubts it. */
+/** Probability below which a change is certain. */
 const CERTAIN = 1e-6;
-/** Chance makes as much now and then. */
+/** Probability below which a deviation is more than chance makes now and then. */
 const PERHAPS = 0.05;
 
 /** Whether an element has changed, by the probability of its deviation without any change. */
