@@ -10,7 +10,8 @@ from hypothesis import settings as settings_of_examples
 from hypothesis import strategies as st
 
 from estimator.arrays import Floats
-from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
+from service.edge.block_outcomes import BlockOutcome, BlockSettings, Position
+from service.edge.blocks import BlockStream
 from service.edge.sample_window import Chunk
 from tests.plant import few_examples
 from tests.waveforms import RATE, START_NS, keyphasor, probes, recorded, shaft, true_phasors
