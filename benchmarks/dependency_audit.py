@@ -13,7 +13,7 @@ from typing import Any
 
 TIMEOUT_S = 300.0
 OWN = "rotorundown"
-"""Not a package of any index."""
+"""The project's own package, which no index holds."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Many sources, each with a session and a log of its own, on many machines, and a service that is killed -9 meanwhile.
 
-Each source publishes single samples at a steady rate. In the end the service's journal must hold every sample of every source
+Each source publishes single samples at a steady rate. In the end the service must have stored every sample of every source
 once and in order, with the times at which they were taken. The latency of samples that were taken while the service was dead
-holds its absence.
+includes its absence.
 
     python -m benchmarks.many_sources [--sources 500] [--rate 2] [--seconds 60] [--kills 2]
 """
@@ -74,7 +74,7 @@ def publishing_process(options: argparse.Namespace) -> None:
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Run the sources and kill the service; print the figures; return whether the journal is exact."""
+    """Run the sources and kill the service; print the figures; return whether the samples are stored exactly."""
     service = Service(folder)
     each = round(options.seconds * options.rate)
     total = each * options.sources
@@ -109,16 +109,16 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
                 print(f"the last samples were stored {time.perf_counter() - ended:.1f} s after the end of publishing")
                 time.sleep(0.5)
     service.client.close()
-    journal = StoredSamples.read(service.database, ledger)
+    samples = StoredSamples.read(service.database, ledger)
     taken: dict[str, list[int]] = {}
     for path in truths:
         taken |= msgspec.json.decode(path.read_bytes(), type=dict[str, list[int]])
-    lost, twice = journal.faults(machines, samples=each)
-    wrong = sum(not np.array_equal(journal.times.get(name, np.empty(0)), np.array(taken[name])) for name in machines)
+    lost, twice = samples.faults(machines, samples=each)
+    wrong = sum(not np.array_equal(samples.times.get(name, np.empty(0)), np.array(taken[name])) for name in machines)
     print(f"{options.sources} sources at {options.rate:g} samples/s for {options.seconds:.0f} s, {options.kills} kills")
-    print(f"  published {total}, stored {journal.latency.size}")
-    print(f"  lost {lost}, twice or out of order {twice}, machines whose journal is not what was measured {wrong}; asked: 0")
-    print(f"  sample taken to durable, the service's absence in it: {percentiles(journal.latency)}")
+    print(f"  published {total}, stored {samples.latency.size}")
+    print(f"  lost {lost}, twice or out of order {twice}, machines with other samples than measured {wrong}; asked: 0")
+    print(f"  sample taken to durable, the service's absence in it: {percentiles(samples.latency)}")
     return lost == twice == wrong == 0
 
 
@@ -133,7 +133,7 @@ def stretch(service: Service, serving: "subprocess.Popen[bytes]", options: argpa
 
 
 def main() -> None:
-    """Print the figures; status 1 when the journal is not exact."""
+    """Print the figures; status 1 when the samples are not stored exactly."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--sources", type=int, default=500)
     parser.add_argument("--rate", type=float, default=2.0)

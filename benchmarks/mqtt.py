@@ -153,8 +153,8 @@ def with_kills(service: Service, mosquitto: Mosquitto, client: paho.Client, name
     found = sources(service, epoch)
     received, lost = (sum(one[name] for one in found) for name in ("received", "lost"))
     again = sum(one["duplicates"] for one in found)
-    journal = StoredSamples.read(service.database)
-    stored = {name: journal.times[name][before[name] :] for name in names}
+    samples = StoredSamples.read(service.database)
+    stored = {name: samples.times[name][before[name] :] for name in names}
     twice = sum(len(times) - len(np.unique(times)) for times in stored.values())
     uncounted = slow.published - received - lost
     differs = received - sum(map(len, stored.values()))

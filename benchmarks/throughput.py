@@ -132,20 +132,20 @@ def measure(folder: Path, database: str, options: argparse.Namespace) -> bool:
         rejected = service.get("/quarantine")
         assert rejected["counts"] == {}, rejected["entries"][0]
     service.client.close()
-    journal = StoredSamples.read(database, ledger)
-    lost, twice = journal.faults(machines, samples=each)
-    p99 = float(np.percentile(journal.latency, 99))
+    samples = StoredSamples.read(database, ledger)
+    lost, twice = samples.faults(machines, samples=each)
+    p99 = float(np.percentile(samples.latency, 99))
     print(
         f"{options.rate:.0f} samples/s of {options.channels} channels to {make_url(database).get_backend_name()} "
         f"for {options.seconds:.0f} s: {options.machines} machines, "
         f"batches of {size} samples ({1e3 * size / rate:.0f} ms), {options.encoding}"
     )
-    print(f"  published {total}, stored {journal.latency.size}; asked: all")
+    print(f"  published {total}, stored {samples.latency.size}; asked: all")
     print(f"  lost {lost}, twice or out of order {twice}; asked: 0 and 0")
     print(f"  came again and were not stored again: {sum(one['duplicates'] for one in told)}")
-    print(f"  sample taken to durable: {percentiles(journal.latency)}; asked: p99 below {P99_ASKED_S} s")
+    print(f"  sample taken to durable: {percentiles(samples.latency)}; asked: p99 below {P99_ASKED_S} s")
     print(used)
-    return lost == twice == 0 and journal.latency.size == total and p99 < P99_ASKED_S
+    return lost == twice == 0 and samples.latency.size == total and p99 < P99_ASKED_S
 
 
 def main() -> None:

@@ -51,7 +51,7 @@ class Databases(Protocol):
         """Let go of it."""
 
     def take_away(self, url: str) -> None:
-        """Nobody can use it any more, as if it were gone."""
+        """Make the database refuse connections."""
 
 
 class SqliteDatabases:
@@ -90,7 +90,7 @@ class PostgresqlDatabases:
         self._server.execute(f'DROP DATABASE "{make_url(url).database}" WITH (FORCE)')
 
     def take_away(self, url: str) -> None:
-        """It takes no connections."""
+        """Make the database refuse connections."""
         name = make_url(url).database
         self._server.execute(f'ALTER DATABASE "{name}" ALLOW_CONNECTIONS false')
         self._server.execute(f"SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = '{name}'")

@@ -19,11 +19,10 @@ from tests.additions.additions import ADDITIONS
 from tests.additions.package_copy import PackageCopy
 from tests.estimator import test_docstrings as estimator_docstrings
 from tests.estimator import test_sources
+from tests.paths import PACKAGES
 from tests.rooms import ROOMS
 from tests.service import test_dashboard_rooms
 from tests.syntax_trees import statements
-
-PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ topic read rundown/v1/#
 """Access rules: the edge publishes samples of its own plant, the HMI listens."""
 
 
-class Listener:
+class BrokerListener:
     """A client of the broker and what it has heard."""
 
     def __init__(self, client: mqtt.Client, topics: tuple[str, ...]) -> None:
@@ -151,10 +151,10 @@ class Mosquitto:
         return client
 
     @contextlib.contextmanager
-    def connected(self, user: str, name: str = "", *topics: str) -> Iterator[Listener]:
+    def connected(self, user: str, name: str = "", *topics: str) -> Iterator[BrokerListener]:
         """A connected client, which hears some topics."""
         client = self.client(user, name)
-        heard = Listener(client, topics)
+        heard = BrokerListener(client, topics)
         client.connect_async("localhost", self.port, clean_start=not name, properties=_lasting() if name else None)
         client.loop_start()
         try:

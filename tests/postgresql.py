@@ -55,7 +55,7 @@ class PostgresServer:
         return f"postgresql+psycopg://rundown@127.0.0.1:{self.port}/{name}"
 
     def start(self) -> None:
-        """Until it answers."""
+        """Start it, and wait until it answers."""
         options = [f"port={self.port}", "listen_addresses=127.0.0.1", f"unix_socket_directories={self._folder}"]
         flags = [part for option in [*options, *self._settings] for part in ("-c", option)]
         with self.log.open("ab") as output:
@@ -81,7 +81,7 @@ class PostgresServer:
 
     @contextlib.contextmanager
     def away(self) -> Iterator[None]:
-        """It is shut down, and started again."""
+        """Shut it down, and start it again afterwards."""
         self.stop()
         try:
             yield
@@ -90,7 +90,7 @@ class PostgresServer:
 
     @contextlib.contextmanager
     def frozen(self) -> Iterator[None]:
-        """It takes connections and questions, and answers none: as on a machine that is stopped, or starved."""
+        """Let it accept connections and queries and answer none, like a machine that is stopped or starved."""
         assert self._process is not None
         every = [psutil.Process(self._process.pid)]
         every[0].suspend()

@@ -20,7 +20,7 @@ class PromptWriter(SampleWriter):
         self.closing = Closing(database, collector)
 
     def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
-        """As of SampleWriter."""
+        """Store as SampleWriter does, then close the runs that have ended."""
         outcomes = super().store(arrived, rejections, **more)
         self.closing.close_ended()
         return outcomes

@@ -32,7 +32,7 @@ RUN_OUT = 2e-4 * np.exp(1j * np.arange(8))
 
 
 def slow_roll_and_run_down(plant: Database) -> Api:
-    """Over a machine with a slow roll and a run-down: 100 µm peak-to-peak at 30° lag on all channels, always."""
+    """Return an API over a machine with a slow roll and a run-down: 100 µm peak-to-peak at 30° lag on all channels."""
     writer = PromptWriter(plant, Collector())
     slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), *sweep_rpm(250.0, 100.0, 6)]
     # From slow roll to speed takes an hour: no shaft jumps.

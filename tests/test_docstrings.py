@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 
 from tests.estimator.test_docstrings import NO_OPENING, QUESTIONS, VERBS
+from tests.paths import PACKAGES as INSTALLED
+from tests.paths import ROOT
 from tests.syntax_trees import parsed, statements
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = ("service", "storage", "formats", "rotorundown", "benchmarks")
+PACKAGES = (*sorted({*INSTALLED} - {"estimator"}), "benchmarks")
 OWN_VERBS = (
     "Accept Acknowledge Acquire Allow Answer Append Apply Ask Begin Bind Call Cancel Claim Clear Close Commit Complete "
     "Compose Compress Configure Confirm Copy Create Decode Decrypt Delete Deliver Demonstrate Disable Disconnect Drop "
@@ -84,13 +85,29 @@ def question_openings(source: str) -> Iterator[str]:
 
 OTHERS = ("tests", "examples", "docs_site")
 """Folders whose docstrings only have to begin rightly."""
+FRAGMENTS = ("Also ", "As ", "At ", "From ", "In ", "It ", "Nothing.", "Of ", "On ", "Over ", "Until ", "With ")
+"""Openings of half a sentence, whose other half the function's name would have to be."""
+
+
+def fragment_openings(source: str) -> Iterator[str]:
+    """Name the docstrings of a file's functions, tests aside, that begin with half a sentence, with the line."""
+    for node in statements(parsed(source)):
+        if isinstance(node, Function) and not node.name.startswith("test_"):
+            text = ast.get_docstring(node) or ""
+            if text.startswith(FRAGMENTS):
+                yield f"{node.lineno}: the docstring of {node.name} begins with '{text.split()[0]}', which no verb precedes"
 
 
 @pytest.mark.parametrize("folder", OTHERS)
 def test_docstrings_of_tests_begin_with_a_verb_or_a_noun(folder: str) -> None:
     files = [path for path in sorted((ROOT / folder).rglob("*.py")) if "node_modules" not in path.parts]
     assert files
-    found = [f"{path.relative_to(ROOT)}:{fault}" for path in files for fault in question_openings(path.read_text())]
+    found = [
+        f"{path.relative_to(ROOT)}:{fault}"
+        for path in files
+        for openings in (question_openings, fragment_openings)
+        for fault in openings(path.read_text())
+    ]
     assert found == []
 
 
@@ -98,6 +115,12 @@ def test_a_question_as_opening_is_found() -> None:
     assert list(question_openings(GOOD)) == []
     for good in ("A file.", "Largest number of attempts.", "A queue.", "Count the entries."):
         assert list(question_openings(GOOD.replace(good, "Where entries wait.")))
+
+
+def test_half_a_sentence_as_opening_is_found() -> None:
+    assert list(fragment_openings(GOOD)) == []
+    assert list(fragment_openings(GOOD.replace("Count the entries.", "Of the entries, how many.")))
+    assert not list(fragment_openings(GOOD.replace("def size", "def test_size").replace("Count the", "Of the")))
 
 
 GLOSS = re.compile(r"(?:^|[.;]\s+)\w+: of (?=[a-z])", re.MULTILINE)

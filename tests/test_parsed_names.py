@@ -10,10 +10,11 @@ from estimator.bearings.terms import TERMS
 from estimator.machine.alignment_rules import CouplingPosition
 from estimator.machine.part_coefficients import ELEMENTS
 from estimator.quantities import UNITS
+from tests.paths import PACKAGES as INSTALLED
 from tests.paths import ROOT
 from tests.syntax_trees import parsed
 
-PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
+PACKAGES = (*INSTALLED, "benchmarks")
 KINDS = {*ELEMENTS.values(), "disc", "films", "journal", "material", "oil", "probe", "shaft", "static_load"}
 """First parts of names, and what films are called."""
 WORDS = (

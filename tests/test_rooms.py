@@ -7,6 +7,7 @@ here, and so does one that nobody goes any more.
 import ast
 import re
 import subprocess
+import tomllib
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -17,12 +18,11 @@ from statistics import median
 import pytest
 
 from estimator.bearings.registry import FORMS
+from tests.paths import PACKAGES, ROOT
 from tests.rooms import ROOMS
 from tests.rooms_picture import PICTURE, TABLE, drawing, drawn
 from tests.syntax_trees import parsed, statements
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
 LARGEST_ROOM, MEDIAN_ROOM = 25, 12
 """Files in a room, its `__init__.py` left out."""
 TWO_PAGES = 150
@@ -72,7 +72,7 @@ def imports() -> dict[str, frozenset[str]]:
 
 @cache
 def arrows() -> dict[str, dict[str, str]]:
-    """From each room to others, with one import that makes the arrow."""
+    """Return the arrows from each room to others, with one import that makes each."""
     found: dict[str, dict[str, str]] = defaultdict(dict)
     for module, others in imports().items():
         for other in others:
@@ -82,7 +82,7 @@ def arrows() -> dict[str, dict[str, str]]:
 
 
 def packages() -> dict[str, set[str]]:
-    """From each package to those that its rooms import."""
+    """Return from each package those that its rooms import."""
     found: dict[str, set[str]] = {one: set() for one in PACKAGES}
     for one, others in arrows().items():
         own = one.split("/")[0]
@@ -126,6 +126,18 @@ def test_no_arrow_of_the_picture_is_left_unused() -> None:
 def test_no_room_and_no_file_is_in_a_circle() -> None:
     assert circle({one: set(others) for one, others in ROOMS.items()}) == []
     assert circle({one: set(others) for one, others in imports().items()}) == []
+
+
+def installed_packages() -> set[str]:
+    """Return the packages that the distribution installs."""
+    found = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]["find"]["include"]
+    return {one.removesuffix("*") for one in found}
+
+
+def test_the_packages_are_those_that_are_installed_and_copied_into_the_container() -> None:
+    assert installed_packages() == set(PACKAGES), "name a new package in tests/paths.py"
+    image = (ROOT / "deploy" / "Containerfile").read_text()
+    assert {one for one in PACKAGES if f"COPY {one} ./{one}\n" not in image} == set()
 
 
 def test_no_package_is_in_a_circle() -> None:

@@ -3,7 +3,7 @@
 import ast
 from collections.abc import Iterator
 
-from tests.paths import ROOT
+from tests.paths import PACKAGES, ROOT
 from tests.syntax_trees import parsed, statements
 
 LARGEST_CLASS = 200
@@ -20,7 +20,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 def test_classes_have_one_idea() -> None:
     too_large = []
-    for file, tree in modules("estimator", "storage", "formats", "service", "rotorundown", "benchmarks"):
+    for file, tree in modules(*PACKAGES, "benchmarks"):
         for one in statements(tree):
             if isinstance(one, ast.ClassDef):
                 methods = sum(isinstance(part, Function) for part in one.body)
@@ -35,7 +35,7 @@ def test_classes_have_one_idea() -> None:
 def test_functions_have_one_idea() -> None:
     too_long = [
         f"{file}:{one.lineno} {one.name}: {lines(one)} lines"
-        for file, tree in modules("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
+        for file, tree in modules(*PACKAGES, "benchmarks")
         for one in statements(tree)
         if isinstance(one, Function) and lines(one) > LARGEST_FUNCTION
     ]

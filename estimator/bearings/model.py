@@ -163,7 +163,7 @@ class CoefficientCurves(Protocol):
 
 @runtime_checkable
 class ChainedCurves(CoefficientCurves, Protocol):
-    """Curves of many parameters, each of which changes few coefficients, that know a shorter way than all derivatives."""
+    """Curves of many parameters that change few coefficients each: they apply their derivatives without building them all."""
 
     def chained(self, fitted: Floats, block: slice, by_coefficient: Complexes) -> Complexes:
         """Compute the derivatives of outputs by the fitted numbers from those by the coefficients, at some of the speeds.

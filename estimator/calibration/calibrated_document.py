@@ -43,7 +43,7 @@ def with_gain_drift(machine: Machine, gain_drift: float) -> Machine:
 
 
 def require_gain_drift(gain_drift: float) -> None:
-    """Check a drift of gains: a calibration allows for some only.
+    """Check that a drift of gains is one that a calibration can allow for.
 
     Args:
         gain_drift: Rms of the complex change of each gain, in parts of it [-].

@@ -62,7 +62,7 @@ def _with_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
 
 
 def _regression(columns: Complexes, seen: Complexes) -> Complexes | None:
-    """Return the unknowns (k,) of a linear regression; None where the first is not seen beside the others."""
+    """Return the unknowns (k,) of a linear regression; None where the first cannot be separated from the others."""
     size = np.linalg.norm(columns, axis=0)
     size[size == 0.0] = 1.0
     scaled = columns / size

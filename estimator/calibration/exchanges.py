@@ -31,7 +31,7 @@ PROMISING = 1.5
 LIKELIEST = 3
 """Exchanges of each kind that are calibrated in full."""
 MANY_TIMES = 1000.0
-"""Factor from which on its size says nothing more [-]."""
+"""Factor beyond which a larger one says no more [-]."""
 
 
 class Exchange(Struct, frozen=True):

@@ -18,7 +18,7 @@ PRESENT = 0.5
 MANY_OUTLIERS = 0.02
 """Part of the phasors left out as outliers from which on they are reported [-]."""
 REFUSED = 1.0
-"""Least evidence of a run that no fit explains, whose χ² need not be the reason of the refusal [-]."""
+"""Least evidence for a run that no fit explains: it may have been refused for another reason than its χ² [-]."""
 MOSTLY_LEFT_OUT = 0.3
 """Part of a channel's phasors above which those left out do not count [-]: the channel is a cause by itself."""
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -190,6 +190,8 @@ class FindingKind:
     def __post_init__(self) -> None:
         if not self.elements:
             raise ValueError(f"finding kind '{self.kind}' names no kinds of elements at which it can lie")
+        if unknown := [one for one in self.elements if one not in get_args(ElementKind)]:
+            raise ValueError(f"finding kind '{self.kind}' names {', '.join(unknown)}, which is no kind of element")
         if self.changes is None and self.data_fault is None and self.fit_fault is None:
             raise ValueError(f"finding kind '{self.kind}' has no changes, data_fault or fit_fault: nothing would ever find it")
         if self.changes is not None and self.size is None:

@@ -325,7 +325,7 @@ def _support_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:
-    """Find films of one oil supply of whose viscosities different things are believed: they have one factor."""
+    """Find films of one oil supply whose viscosities have different priors, although they share one factor."""
     first: dict[str, BearingOnFilm] = {}
     for one in bearings_on_films(train.bearings):
         if one.film.oil.supply is None and one.form.viscosity_ratio_spread > 0.0:

@@ -1,3 +1,3 @@
 """Speed readings to operating states and runs; which samples a run keeps, and what it covers. It imports `machine` and
-`phasors` and nothing that grows with a model; the service's collector works by it while samples are stored.
+`phasors`, and assembles no rotor; the service's collector works by it while samples are stored.
 """

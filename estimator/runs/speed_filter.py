@@ -46,7 +46,7 @@ class SpeedReadings(msgspec.Struct, frozen=True):
         return self.deviation / MEAN_DEVIATION
 
     def restarted(self) -> "SpeedReadings":
-        """Return the state with the noise only, for readings that do not follow these.
+        """Return the state with nothing but the noise: the next readings do not continue the present ones.
 
         Returns:
             The state without readings.

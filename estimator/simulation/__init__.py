@@ -1,3 +1,3 @@
-"""Simulated plants and coast-downs, for tests, the demo and the design of experiments. It imports `rotor`, `phasors`,
-`machine`, `bearings`, `statics`, `runs` and `trends`; nothing that assesses real machines imports it.
+"""Simulated plants and coast-downs, for tests, benchmarks, the library, and sources that publish without a machine. It imports
+`rotor`, `phasors`, `machine`, `bearings`, `statics`, `runs` and `trends`; nothing that assesses real machines imports it.
 """

@@ -85,7 +85,7 @@ def _newton_step(train: FilmTrain, state: _JournalsOverSpeed) -> Floats:
 
 
 def _shortened(train: FilmTrain, speeds: Floats, state: _JournalsOverSpeed, step: Floats) -> _JournalsOverSpeed | None:
-    """Return the journals after steps that are halved until they stay in the films and lack less; None where none does."""
+    """Return the journals after steps, halved until all stay in the films with smaller residuals; None when none do."""
     part = np.ones(len(step))
     before = np.linalg.norm(state.lacking, axis=(1, 2))
     for _ in range(HALVINGS):

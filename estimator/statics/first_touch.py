@@ -42,7 +42,7 @@ def first_touch_words(train: FilmTrain, speed: float) -> str:
 
 
 def _first_touching(train: FilmTrain, speed: float) -> int | None:
-    """Return the number of the bearing with the least film where all still carry; None where they do at no speed."""
+    """Return the number of the bearing with the thinnest film at the lowest speed at which all films carry, if any."""
     low, high = speed, speed
     found: FilmEquilibrium | None = None
     for _ in range(MOST_FASTER):

@@ -29,7 +29,7 @@ CRITICALLY_DAMPED = 2.5
 LARGEST_MARGIN_BELOW, LARGEST_MARGIN_ABOVE = 16.0, 26.0
 HALF_POWER = 1 / math.sqrt(2.0)
 EVEN_SPEEDS = 300
-"""Speeds of the response curve beside those around the critical speeds."""
+"""Number of evenly spaced speeds of the response curve, in addition to those around critical speeds."""
 CROWD = np.linspace(-6.0, 6.0, 49)
 """Speeds of the response curve around each critical speed, in units of its half bandwidth ζΩ."""
 FEWER_EVEN_SPEEDS, NARROW_CROWD = 100, np.linspace(-3.0, 3.0, 25)

@@ -198,7 +198,7 @@ def _nominal(document: str) -> NominalCrossings:
         if exact is not None:
             found.append(exact)
     joined = _joined(found, mass.shape[0])
-    # On the whole mesh: whose basis they were found in, nobody may know any more when they are asked for.
+    # On the whole mesh: later users need not know the basis in which they were found.
     whole = Modes(joined.eigenvalue, model.basis.expanded(joined.shape), model.basis.expanded(joined.left))
     return NominalCrossings(whole, _pairs(joined, mass))
 

@@ -93,7 +93,7 @@ def _is_number(text: str) -> bool:
 
 
 def _decimal(separator: str) -> Callable[[str], str]:
-    """Return the function that makes a decimal comma a point, where commas do not separate."""
+    """Return the function that replaces decimal commas by points; it changes nothing where commas separate columns."""
 
     def turned(cell: str) -> str:
         return cell.replace(",", ".") if separator != "," and DECIMAL_COMMA.fullmatch(cell) else cell

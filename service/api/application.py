@@ -13,7 +13,7 @@ from rotorundown.environment.release import VERSION
 from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
-from service.api.alerts.rendering import WordedAlerts
+from service.api.alerts.rendering import RenderedAlertCache
 from service.api.alerts.routes import lists as alert_lists
 from service.api.alerts.routes import router as alerts
 from service.api.alerts.subscriptions import SendTest
@@ -57,7 +57,7 @@ from service.api.measurements.ingestion import router as ingestion
 from service.api.measurements.orbits import router as orbits
 from service.api.measurements.routes import router as measurements
 from service.api.measurements.run_quality import router as run_quality
-from service.api.measurements.run_vectors import KeptVectors
+from service.api.measurements.run_vectors import RunVectorCache
 from service.api.measurements.vibration import router as vibration
 from service.api.openapi import described
 from service.api.operation.audit import router as audit
@@ -186,8 +186,8 @@ def application(
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)
     app.state.report_process = ReportProcess()
     app.state.response_cache = ResponseCache(database)
-    app.state.worded_alerts = WordedAlerts()
-    app.state.run_vectors = KeptVectors()
+    app.state.worded_alerts = RenderedAlertCache()
+    app.state.run_vectors = RunVectorCache()
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()

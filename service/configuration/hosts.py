@@ -5,7 +5,7 @@ import ipaddress
 from urllib.parse import urlsplit
 
 KEPT_HOSTS = 256
-"""Hosts whose class is kept: each request names one."""
+"""Number of hosts whose class is cached: each request names one."""
 
 
 @functools.lru_cache(KEPT_HOSTS)

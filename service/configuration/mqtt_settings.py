@@ -67,7 +67,7 @@ class MqttSettings(BaseSettings):
 
     @property
     def mqtt_broker(self) -> tuple[str, int]:
-        """Return host and port of the broker. Raises ValueError for another URL than one of a broker."""
+        """Return host and port of the broker. Raises ValueError for a URL that is not one of a broker."""
         parts = urlsplit(self.mqtt_url)
         if parts.scheme not in PORTS or not parts.hostname or parts.path not in ("", "/") or parts.query:
             raise ValueError("it must be mqtts://HOST:PORT or mqtt://HOST:PORT")

@@ -17,7 +17,8 @@ from estimator.signal.order_tracking import Block
 from estimator.signal.waveform_faults import UNUSABLE
 from estimator.units import rad_per_s_to_rpm
 from formats.wire import WIRE_SCHEMA, SampleBatch
-from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
+from service.edge.block_outcomes import BlockOutcome, BlockSettings, Position
+from service.edge.blocks import BlockStream
 from service.edge.condition import Conditions, WaveformFinding
 from service.edge.configuration import EdgeConfiguration, InputFile
 from service.edge.files import read_chunks

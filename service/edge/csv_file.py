@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from estimator.arrays import Floats
-from service.edge.file_trouble import FileTrouble, require_columns
+from service.edge.file_error import InputFileError, require_columns
 
 
 class CsvFile:
-    """A CSV file; blank and non-numeric cells read as NaN. Raises FileTrouble."""
+    """A CSV file; blank and non-numeric cells read as NaN. Raises InputFileError."""
 
     start_ns: int | None = None
     sampling_rate: float | None = None
@@ -28,7 +28,7 @@ class CsvFile:
         self._columns = [names.index(column) for column in columns]
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from row `first` on, `size` rows at a time. Raises FileTrouble for a truncated last row."""
+        """Yield columns (K, n) from row `first` on, `size` rows at a time. Raises InputFileError for a truncated last row."""
         with self._path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             rows = itertools.islice(file, first + 1, None)
             while lines := list(itertools.islice(rows, size)):
@@ -37,7 +37,7 @@ class CsvFile:
                 if lines:
                     yield self._values(lines)
                 if cut is not None:
-                    raise FileTrouble("truncated_file", f"its last line '{cut[:60]}' is cut short")
+                    raise InputFileError("truncated_file", f"its last line '{cut[:60]}' is cut short")
 
     def _values(self, lines: list[str]) -> Floats:
         try:

@@ -12,7 +12,7 @@ from formats.recordings.measured_files import is_measured_file
 from service.edge.condition import Conditions
 from service.edge.configuration import InputFile, Waveforms
 from service.edge.csv_file import CsvFile
-from service.edge.file_trouble import FileTrouble
+from service.edge.file_error import InputFileError
 from service.edge.hdf5_file import Hdf5File
 from service.edge.measured_file import MeasuredFile
 from service.edge.npz_file import NpzFile
@@ -42,11 +42,11 @@ class WaveformFile(Protocol):
         """Return the time of the first sample [ns, UTC]; None when the file does not state it."""
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises InputFileError."""
 
 
 def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformFile:
-    """Open a file by the ending of its name. Raises FileTrouble."""
+    """Open a file by the ending of its name. Raises InputFileError."""
     try:
         match path.suffix.lower():
             case ".wav":
@@ -60,7 +60,7 @@ def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformF
             case _:
                 return Hdf5File(path, columns)
     except OSError as error:
-        raise FileTrouble("unreadable_file", str(error.strerror or error)) from error
+        raise InputFileError("unreadable_file", str(error.strerror or error)) from error
 
 
 def read_chunks(
@@ -86,11 +86,11 @@ def read_chunks(
         rate = said if rate is None else rate
         start = opened.start_ns if file.start is None else from_datetime(file.start)
         if start is None:
-            raise FileTrouble("no_start_time", "neither the configuration nor the file says when it begins")
+            raise InputFileError("no_start_time", "neither the configuration nor the file says when it begins")
         pieces = opened.read(first, CHUNK_SAMPLES)
         if waveforms.time is None:
             if rate is None:
-                raise FileTrouble("wrong_sampling_rate", "neither the configuration nor the file says the sampling rate")
+                raise InputFileError("wrong_sampling_rate", "neither the configuration nor the file says the sampling rate")
             for values in pieces:
                 yield Chunk(first, values, rate, anchor=0, anchor_ns=start)
                 first, empty = first + values.shape[1], False
@@ -99,8 +99,8 @@ def read_chunks(
                 yield chunk
                 empty = False
         if empty:
-            raise FileTrouble("truncated_file", "there is no sample in it")
-    except FileTrouble as trouble:
+            raise InputFileError("truncated_file", "there is no sample in it")
+    except InputFileError as trouble:
         conditions.add_event(trouble.name, name, trouble.detail)
     except OSError as error:
         conditions.add_event("damaged_file", name, str(error))
@@ -126,7 +126,7 @@ def _timed(
         rate = measured if rate is None else rate
         if rate is None or (measured is not None and abs(measured / rate - 1.0) > RATE_TOLERANCE):
             said = "no" if measured is None else f"{measured:.6g} Hz as"
-            raise FileTrouble("wrong_sampling_rate", f"its times show {said} sampling rate; configured: {rate} Hz")
+            raise InputFileError("wrong_sampling_rate", f"its times show {said} sampling rate; configured: {rate} Hz")
         later = seconds > np.fmax.accumulate(np.concatenate([[latest], seconds[:-1]]))
         back += int(np.count_nonzero(~later))
         kept = np.flatnonzero(later)
@@ -170,12 +170,12 @@ def _rate_of(seconds: Floats) -> float | None:
 def _sampling_rate(said: float | None, configured: float | None) -> float | None:
     """Return the sampling rate: what the file says, or the configured one, from which that is rounded.
 
-    Raises FileTrouble where the two differ, or what the file says is no rate.
+    Raises InputFileError where the two differ, or what the file says is no rate.
     """
     if said is not None and not (math.isfinite(said) and said > 0.0):
-        raise FileTrouble("unreadable_file", f"says {said:g} Hz, which is no sampling rate")
+        raise InputFileError("unreadable_file", f"says {said:g} Hz, which is no sampling rate")
     if said is not None and configured is not None and abs(said / configured - 1.0) > RATE_TOLERANCE:
-        raise FileTrouble("wrong_sampling_rate", f"says {said:g} Hz, {configured:g} Hz is configured: one of them is wrong")
+        raise InputFileError("wrong_sampling_rate", f"says {said:g} Hz, {configured:g} Hz is configured: one of them is wrong")
     if said is None or (configured is not None and abs(said / configured - 1.0) <= RATE_ROUNDING):
         return configured
     return said

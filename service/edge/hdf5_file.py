@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Floats
-from service.edge.file_trouble import FileTrouble, require_columns
+from service.edge.file_error import InputFileError, require_columns
 
 
 class Hdf5File:
-    """An HDF5 file. Raises FileTrouble."""
+    """An HDF5 file. Raises InputFileError."""
 
     def __init__(self, path: Path, columns: list[str]) -> None:
         self._path = path
@@ -27,7 +27,7 @@ class Hdf5File:
             for column in columns:
                 dataset = file[column]
                 if dataset.shape is None or len(dataset.shape) != 1 or dataset.dtype.kind not in "fiu":
-                    raise FileTrouble(
+                    raise InputFileError(
                         "missing_column", f"dataset '{column}' has shape {dataset.shape}; numbers (N,) are needed"
                     )
             said = dict(file[columns[0]].parent.attrs) | dict(file.attrs)
@@ -35,7 +35,7 @@ class Hdf5File:
         self.start_ns = int(_number(said["start_ns"], "start_ns")) if "start_ns" in said else None
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it is damaged."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises InputFileError when it is damaged."""
         with self._open_file() as file:
             datasets = [file[column] for column in self._columns]
             lengths = [dataset.shape[0] for dataset in datasets]
@@ -44,25 +44,25 @@ class Hdf5File:
                 try:
                     yield np.array([dataset[part] for dataset in datasets], dtype=float)
                 except OSError as error:
-                    raise FileTrouble("damaged_file", f"from sample {place} on: {error}") from error
+                    raise InputFileError("damaged_file", f"from sample {place} on: {error}") from error
             if min(lengths) < max(lengths):
-                raise FileTrouble("truncated_file", f"some datasets end after {min(lengths)} samples, others do not")
+                raise InputFileError("truncated_file", f"some datasets end after {min(lengths)} samples, others do not")
 
     def _open_file(self) -> Any:
         try:
             import h5py
         except ImportError as error:
-            raise FileTrouble("unreadable_file", "HDF5 needs h5py: pip install 'rotorundown[hdf5]'") from error
+            raise InputFileError("unreadable_file", "HDF5 needs h5py: pip install 'rotorundown[hdf5]'") from error
         try:
             return h5py.File(self._path, "r")
         except OSError as error:
             kind = "truncated_file" if "truncated" in str(error) else "unreadable_file"
-            raise FileTrouble(kind, f"not a whole HDF5 file: {error}") from error
+            raise InputFileError(kind, f"not a whole HDF5 file: {error}") from error
 
 
 def _number(said: Any, name: str) -> Any:
     """Return an attribute of one number; integers stay exact."""
     value = np.asarray(said)
     if value.size != 1 or value.dtype.kind not in "fiu":
-        raise FileTrouble("unreadable_file", f"attribute '{name}' must be one number, it is {str(said)[:60]!r}")
+        raise InputFileError("unreadable_file", f"attribute '{name}' must be one number, it is {str(said)[:60]!r}")
     return value.item()

@@ -13,7 +13,7 @@ from typing import IO
 import numpy as np
 
 from estimator.arrays import Floats
-from service.edge.file_trouble import FileTrouble, require_columns
+from service.edge.file_error import InputFileError, require_columns
 
 CHECKED_AT_ONCE = 1 << 20
 """Bytes read at a time for the check of the checksums."""
@@ -22,7 +22,7 @@ NUMBERS = "fiu"
 
 
 class NpzFile:
-    """An NPZ file, compressed or not. Raises FileTrouble."""
+    """An NPZ file, compressed or not. Raises InputFileError."""
 
     def __init__(self, path: Path, columns: list[str]) -> None:
         self._path = path
@@ -44,12 +44,12 @@ class NpzFile:
             zlib.error,
             RuntimeError,
         ) as error:  # RuntimeError: encrypted, or an unknown compression
-            raise FileTrouble("damaged_file", f"not a whole NPZ file: {error}") from error
+            raise InputFileError("damaged_file", f"not a whole NPZ file: {error}") from error
         self.sampling_rate = None if rate is None else float(rate)
         self.start_ns = None if start is None else int(start)
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it is damaged."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises InputFileError when it is damaged."""
         with ExitStack() as stack:
             archive = stack.enter_context(zipfile.ZipFile(self._path))
             members = [stack.enter_context(archive.open(f"{column}.npy")) for column in self._columns]
@@ -62,13 +62,13 @@ class NpzFile:
                 try:
                     raw = [member.read(count * dtype.itemsize) for member, (_, dtype) in zip(members, opened, strict=True)]
                 except (zipfile.BadZipFile, EOFError, zlib.error) as error:
-                    raise FileTrouble("damaged_file", f"from sample {place} on: {error}") from error
+                    raise InputFileError("damaged_file", f"from sample {place} on: {error}") from error
                 if any(len(part) < count * dtype.itemsize for part, (_, dtype) in zip(raw, opened, strict=True)):
-                    raise FileTrouble("truncated_file", f"ends within the samples from {place} on")
+                    raise InputFileError("truncated_file", f"ends within the samples from {place} on")
                 parts = (np.frombuffer(part, dtype) for part, (_, dtype) in zip(raw, opened, strict=True))
                 yield np.array([part.astype(float) for part in parts])
             if length < max(count for count, _ in opened):
-                raise FileTrouble("truncated_file", f"some of its arrays end after {length} samples, others do not")
+                raise InputFileError("truncated_file", f"some of its arrays end after {length} samples, others do not")
 
     def _header(self, member: IO[bytes], column: str) -> tuple[int, np.dtype[np.generic]]:
         """Return the length and type of an array, read from its beginning."""
@@ -77,9 +77,9 @@ class NpzFile:
             reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
             shape, _, dtype = reader(member)
         except (ValueError, zipfile.BadZipFile, zlib.error) as error:
-            raise FileTrouble("damaged_file", f"array '{column}': {error}") from error
+            raise InputFileError("damaged_file", f"array '{column}': {error}") from error
         if len(shape) != 1 or dtype.kind not in NUMBERS:
-            raise FileTrouble("missing_column", f"array '{column}' has shape {shape} of {dtype}; numbers (N,) are needed")
+            raise InputFileError("missing_column", f"array '{column}' has shape {shape} of {dtype}; numbers (N,) are needed")
         return shape[0], dtype
 
     def _scalar(self, archive: zipfile.ZipFile, name: str) -> float | int:
@@ -87,7 +87,7 @@ class NpzFile:
             try:
                 value = np.lib.format.read_array(member, allow_pickle=False)
             except ValueError as error:
-                raise FileTrouble("unreadable_file", f"array '{name}' must hold one number: {error}") from error
+                raise InputFileError("unreadable_file", f"array '{name}' must hold one number: {error}") from error
         if value.size != 1 or value.dtype.kind not in NUMBERS:
-            raise FileTrouble("unreadable_file", f"array '{name}' must hold one number")
+            raise InputFileError("unreadable_file", f"array '{name}' must hold one number")
         return int(value.item()) if value.dtype.kind in "iu" else float(value.item())

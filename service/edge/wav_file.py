@@ -12,7 +12,7 @@ from typing import BinaryIO
 import numpy as np
 
 from estimator.arrays import Floats
-from service.edge.file_trouble import FileTrouble, require_columns
+from service.edge.file_error import InputFileError, require_columns
 
 PCM, FLOAT, EXTENSIBLE = 1, 3, 0xFFFE
 UNKNOWN_SIZE = 0xFFFFFFFF
@@ -20,7 +20,7 @@ UNKNOWN_SIZE = 0xFFFFFFFF
 
 
 class WavFile:
-    """A WAV file. full_scale: value of the largest number. Raises FileTrouble."""
+    """A WAV file. full_scale: value of the largest number. Raises InputFileError."""
 
     start_ns: int | None = None
 
@@ -30,7 +30,7 @@ class WavFile:
         with path.open("rb") as file:
             head = file.read(12)
             if len(head) < 12 or head[:4] != b"RIFF" or head[8:] != b"WAVE":
-                raise FileTrouble("unreadable_file", "not a WAV file: it does not begin with RIFF … WAVE")
+                raise InputFileError("unreadable_file", "not a WAV file: it does not begin with RIFF … WAVE")
             kind = self._format(self._chunk(file, b"fmt "))
             file.seek(12)
             self._data, self._bytes = self._find(file, b"data")
@@ -40,7 +40,7 @@ class WavFile:
         self._columns = [int(column) - 1 for column in columns]
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it ends early."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises InputFileError when it ends early."""
         frame = self._channels * self._width
         promised = self._bytes // frame if self._bytes not in (0, UNKNOWN_SIZE) else self._available // frame
         there = min(promised, self._available // frame)
@@ -50,12 +50,12 @@ class WavFile:
                 count = min(size, there - place)
                 raw = file.read(count * frame)
                 if len(raw) < count * frame:
-                    raise FileTrouble("truncated_file", f"ends within sample {place + len(raw) // frame}")
+                    raise InputFileError("truncated_file", f"ends within sample {place + len(raw) // frame}")
                 yield self._values(raw).reshape(count, self._channels)[:, self._columns].T
         if self._bytes == 0 and there:
-            raise FileTrouble("truncated_file", f"its writer did not finish it; {there} samples are there")
+            raise InputFileError("truncated_file", f"its writer did not finish it; {there} samples are there")
         if there < promised:
-            raise FileTrouble("truncated_file", f"its header promises {promised} samples, {there} are there")
+            raise InputFileError("truncated_file", f"its header promises {promised} samples, {there} are there")
 
     def _values(self, raw: bytes) -> Floats:
         if self._kind == FLOAT:
@@ -80,16 +80,16 @@ class WavFile:
             if found == name:
                 return file.tell(), size
             file.seek(size + size % 2, 1)
-        raise FileTrouble("unreadable_file", f"a WAV file without its part '{name.decode().strip()}'")
+        raise InputFileError("unreadable_file", f"a WAV file without its part '{name.decode().strip()}'")
 
     def _format(self, chunk: bytes) -> tuple[int, int, int, float]:
         """Return the kind of the values, bytes of each, channels, sampling rate [Hz]."""
         if len(chunk) < 16:
-            raise FileTrouble("unreadable_file", "a WAV file whose format is cut short")
+            raise InputFileError("unreadable_file", "a WAV file whose format is cut short")
         kind, channels, rate, _, _, bits = struct.unpack_from("<HHIIHH", chunk)
         if kind == EXTENSIBLE and len(chunk) >= 26:
             (kind,) = struct.unpack_from("<H", chunk, 24)
         widths = {PCM: (8, 16, 24, 32), FLOAT: (32, 64)}.get(kind, ())
         if bits not in widths or not channels or not rate:
-            raise FileTrouble("unreadable_file", f"WAV format {kind} with {bits} bits, {channels} channels at {rate} Hz")
+            raise InputFileError("unreadable_file", f"WAV format {kind} with {bits} bits, {channels} channels at {rate} Hz")
         return kind, bits // 8, channels, float(rate)

@@ -67,7 +67,7 @@ class BodyLimit:
             await problem_response(error.status_code, error.detail, error.headers)(scope, receive, send)
 
     async def _wait(self) -> None:
-        """Wait until the bodies before have been parsed, and others have been answered for as long as that took."""
+        """Wait until earlier bodies are parsed, then as long again as the last one took: others are answered meanwhile."""
         behind_another = self._turn.locked()
         async with self._turn:
             took = time.monotonic() - self._passed if behind_another else 0.0

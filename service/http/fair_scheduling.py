@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 PERSON = "person"
 """Key in a request's state under which the guard says whom it has let in."""
 CREDENTIALS = frozenset({b"authorization", b"cookie"})
-"""Headers with what people log in."""
+"""Headers that carry credentials."""
 MOST_LET_IN = 2000
 """Number of credentials that are recorded."""
 AT_ONCE_S = 0.001
@@ -37,7 +37,7 @@ class FairScheduling:
         """Set up. at_once: paths whose requests wait for nobody."""
         self._app = app
         self._at_once = frozenset(at_once)
-        self._people = LatelyLetIn()
+        self._people = RecentCredentials()
         self._turns: WeakKeyDictionary[asyncio.AbstractEventLoop, RoundRobinQueue] = WeakKeyDictionary()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -50,8 +50,8 @@ class FairScheduling:
         self._people.record(scope)
 
 
-class LatelyLetIn:
-    """People by the credentials with which they were lately let in, the newest `MOST_LET_IN`."""
+class RecentCredentials:
+    """Principals by the credentials with which the guard last admitted them, the newest `MOST_LET_IN`."""
 
     def __init__(self) -> None:
         self._people: OrderedDict[bytes, str] = OrderedDict()

@@ -47,7 +47,7 @@ class DocumentMoved(Conflict):
     """Raised when a document was changed while runs were checked under it."""
 
 
-class NotToPutInForce(Conflict):
+class CalibrationRefused(Conflict):
     """Raised when a calibration cannot be put in force; the message states the reason."""
 
 
@@ -61,9 +61,9 @@ class CalibrationRunAsked:
     steady: bool = False
 
 
-def require_place(session: Session, machine_id: str, asker: Requester) -> None:
+def require_place(session: Session, machine_id: str, requester: Requester) -> None:
     """Raise QuotaExceeded unless another calibration may be asked for."""
-    asker.quota.require(session, by=asker.identity[:LONGEST_IDENTITY], machine_id=machine_id)
+    requester.quota.require(session, by=requester.identity[:LONGEST_IDENTITY], machine_id=machine_id)
 
 
 def read_runs(
@@ -85,7 +85,7 @@ def request_calibration(
     session: Session,
     machine_id: str,
     asked: Sequence[CalibrationRunAsked],
-    asker: Requester,
+    requester: Requester,
     *,
     revision: int,
     seed: int,
@@ -101,7 +101,7 @@ def request_calibration(
         raise DocumentMoved(
             f"the document of machine '{machine_id}' was changed meanwhile: ask again, with another Idempotency-Key"
         )
-    require_place(session, machine_id, asker)
+    require_place(session, machine_id, requester)
     for one in asked:
         _require_closed(runs.get(session, one.run))
     stored = {"runs": [asdict(one) for one in asked], "seed": seed}
@@ -112,8 +112,8 @@ def request_calibration(
         scope=jobs.CALIBRATION,
         run_ids=[one.run for one in asked],
         options={CALIBRATION: row.id},
-        asked_by=asker.identity[:LONGEST_IDENTITY],
-        priority=asker.priority,
+        asked_by=requester.identity[:LONGEST_IDENTITY],
+        priority=requester.priority,
     )
     assert job is not None
     row.job_id = job.id
@@ -155,15 +155,15 @@ def put_in_force(session: Session, machine_id: str, calibration_id: int, *, by: 
 
     gain_drift: rms by which channels' gains may have changed until a later run, in parts of them [-].
 
-    Raises MachineUnknown, ModelCalibrationUnknown, NotToPutInForce.
+    Raises MachineUnknown, ModelCalibrationUnknown, CalibrationRefused.
     """
     row = model_calibrations.get(session, machine_id, calibration_id, to_change=True)
     if not row.accepted or row.document is None:
         why = "it is not computed yet" if row.accepted is None else f"it was not accepted: {row.verdict}"
-        raise NotToPutInForce(f"calibration {calibration_id} cannot be put in force: {why}")
+        raise CalibrationRefused(f"calibration {calibration_id} cannot be put in force: {why}")
     calibrated, current = with_gain_drift(parse_machine(row.document), gain_drift), machines.document(session, machine_id)
     if not is_the_same_but_for_calibrations(calibrated, current):
-        raise NotToPutInForce(
+        raise CalibrationRefused(
             f"calibration {calibration_id} is of revision {row.revision} of the document; the one in force describes another "
             "train: calibrate that one"
         )

@@ -56,7 +56,7 @@ class Requester:
     priority: int = ASKED
 
 
-def request_identification(session: Session, run_id: int, request: Request, asker: Requester) -> JobRow:
+def request_identification(session: Session, run_id: int, request: Request, requester: Requester) -> JobRow:
     """Queue an identification of a closed run; return the job that is already waiting or running for the same request, if any.
 
     With the usual options the result replaces the earlier one in trends and baselines, otherwise it stands beside them. Raises
@@ -86,8 +86,8 @@ def request_identification(session: Session, run_id: int, request: Request, aske
     newest = find_repetition(again - 1) if again else None
     if newest is not None and newest.state in (jobs.QUEUED, jobs.RUNNING):
         return newest
-    by = asker.identity[:LONGEST_IDENTITY]
-    asker.quota.require(session, by=by, machine_id=run.machine_id)
+    by = requester.identity[:LONGEST_IDENTITY]
+    requester.quota.require(session, by=by, machine_id=run.machine_id)
     queued = jobs.enqueue(
         session,
         run.machine_id,
@@ -95,14 +95,14 @@ def request_identification(session: Session, run_id: int, request: Request, aske
         run_ids=[run_id],
         options=repeated(again),
         asked_by=by,
-        priority=asker.priority,
+        priority=requester.priority,
     )
     assert queued is not None
     return queued
 
 
 def _first_missing(there: Callable[[int], bool]) -> int:
-    """Return the first number that does not exist, of contiguous numbers from 0 on, in logarithmically many look-ups."""
+    """Return the first free number behind contiguous ones from 0 on, in O(log n) look-ups."""
     beyond = 1
     if not there(0):
         return 0

@@ -100,10 +100,10 @@ class IngestCycle:
         if stopping:
             self.inbox.close()
             self.recovery.cease()
-        hurried = stopping or len(self.inbox) >= BACKLOG or self.recovery.is_querying
-        self._writer.pacing.begin(hurried=hurried)
+        without_pauses = stopping or len(self.inbox) >= BACKLOG or self.recovery.is_querying
+        self._writer.pacing.begin(without_pauses=without_pauses)
         # Beside what was left, the few messages that have come since would each cost a transaction: they wait for the others.
-        waits = left and not hurried and not stopping and time.monotonic() < self._took + CYCLE_S
+        waits = left and not without_pauses and not stopping and time.monotonic() < self._took + CYCLE_S
         count = 0 if waits else self._take()
         if not left:
             self.write_batch.store()

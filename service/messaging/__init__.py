@@ -1,2 +1,3 @@
-"""Zenoh sessions, and access control on them. It imports `configuration` and `wire`; sources, ingest and delivery get their
-sessions from here."""
+"""Zenoh sessions, and access control on them. It imports `configuration` and `wire`; commands open sessions here, and hand
+them to sources, ingest and delivery.
+"""

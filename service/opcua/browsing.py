@@ -23,7 +23,7 @@ Sees = Callable[[ua.NodeId], bool]
 
 @dataclass(frozen=True)
 class BrowsePage:
-    """The rest of a browse: of which references, behind how many of the node's, and so many in an answer."""
+    """The rest of a browse. asked: its request. place: number of references already sent. size: references in an answer."""
 
     asked: ua.BrowseDescription
     place: int

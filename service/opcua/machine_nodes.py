@@ -73,7 +73,7 @@ class MachineNodes:
                 self._tree.refer(ua.NodeId(place), ua.NodeId(function), ua.ObjectIds.Organizes)
 
     def node_of(self, machine: str, *parts: str) -> ua.NodeId:
-        """Return the node of a machine that is shown, or of something of it. Raises KeyError."""
+        """Return the node of a machine or, with `parts`, of a part of it. Raises KeyError for one that is not shown."""
         return self._names.node(self._plants[machine], machine, *parts)
 
     def shows(self, machine: str) -> bool:

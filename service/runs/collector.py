@@ -92,7 +92,7 @@ class Collector:
         runs.save_collector_state(session, machine.id, now.stored())
 
     def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
-        """Return whether a machine has newly sent nothing for `silence_s`, or longer if its source is alive."""
+        """Return whether a machine has just become silent: it sent nothing for `silence_s`, longer while its source lives."""
         heard = self._heard_at.setdefault(machine_id, time.monotonic())
         waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
         return waited and machine_id not in self._silent

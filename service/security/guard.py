@@ -89,7 +89,7 @@ class _GuardedRequest:
         return changes and self.operation is not None and self.operation.requirement.recorded
 
     def entry(self, who: Principal, outcome: str) -> AuditedOperation:
-        """Return the entry in the audit trail of a request for an operation that there is."""
+        """Return the request's entry in the audit trail."""
         name = "" if self.operation is None else self.operation.name
         return AuditedOperation(who.in_full, self.address, name, f"{self.scope['method']} {self.scope['path']}", outcome)
 

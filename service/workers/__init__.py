@@ -1,3 +1,3 @@
 """Worker processes, local or on Dask: pools, executors, limits of time and memory. They import `configuration` and
-`resilience`; the rooms of identification and monitoring give them tasks.
+`resilience`; identification, monitoring, reports and the API's cache give them tasks.
 """

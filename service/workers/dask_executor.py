@@ -19,7 +19,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from service.workers import dask_task
-from service.workers.executor import Executor, ExecutorUnavailable, TaskRefused
+from service.workers.dask_worker_states import DaskWorkerStates
+from service.workers.executor import Executor, ExecutorUnavailable
 from service.workers.process_pool import WorkerStuck
 
 if TYPE_CHECKING:
@@ -33,12 +34,8 @@ R = TypeVar("R")
 CONNECT_S = 5.0
 """Time that a connection to the scheduler may take before it is retried."""
 LOOK_S = 2.0
-SILENT_S = 30.0
-"""Time after which a worker unheard by the scheduler counts as frozen."""
 GRACE_S = 60.0
 """Time after its limit at which a task of a silent worker is given up."""
-REFUSED_S = 60.0
-"""Time for which a worker that refused a task gets none."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +57,7 @@ class DaskExecutor(Executor):
         self._lock = threading.Lock()
         self._sent: dict[Future[Any], _SubmittedTask] = {}
         self._checked_at = 0.0
-        self._seen: dict[str, tuple[float, float]] = {}
-        """Per worker, the time of its last sign of life by the scheduler's clock, and since when that has not changed."""
-        self._refused: dict[str, tuple[str, float]] = {}
-        """Per worker that refused a task, why, and until when it gets none."""
+        self._states = DaskWorkerStates()
         self._usable: tuple[str, ...] = ()
         self._warnings: tuple[str, ...] = ()
 
@@ -105,7 +99,7 @@ class DaskExecutor(Executor):
             if not set(one.to) & set(workers):
                 self._give_up(answer, None)
         late = {a: one for a, one in sent.items() if time.monotonic() > one.since + one.limit_s + GRACE_S}
-        if late and (silent := self._silent()):
+        if late and (silent := self._states.silent()):
             tasks: Mapping[str, Collection[str]] = self._query_scheduler("processing", workers=None)
             for answer, one in late.items():
                 for address in silent.keys() & {address for address, keys in tasks.items() if one.future.key in keys}:
@@ -123,10 +117,7 @@ class DaskExecutor(Executor):
     def _workers(self) -> dict[str, Any]:
         """Return the scheduler's workers by address."""
         workers: dict[str, Any] = self._query_scheduler("identity", n_workers=-1)["workers"]
-        now, before, self._seen = time.monotonic(), self._seen, {}
-        for address, one in workers.items():
-            heard, since = before.get(address, (None, now))
-            self._seen[address] = one["last_seen"], since if one["last_seen"] == heard else now
+        self._states.observe(workers)
         return workers
 
     def _query_scheduler(self, question: str, **how: Any) -> Any:
@@ -141,21 +132,9 @@ class DaskExecutor(Executor):
 
     def _unusable_workers(self, workers: Mapping[str, Any]) -> dict[str, str]:
         """Return the workers that get no tasks now, and why; record these reasons as warnings."""
-        now = time.monotonic()
-        found = {
-            address: _release_mismatch(address, dask_task.release_of(str(one["name"]))) for address, one in workers.items()
-        }
-        with self._lock:
-            self._refused = {address: one for address, one in self._refused.items() if address in workers and one[1] > now}
-            found |= {address: words for address, (words, _) in self._refused.items()}
-        doubtful = {address: words for address, words in found.items() if words} | self._silent()
+        doubtful = self._states.unusable(workers)
         self._warnings = tuple(doubtful.values())
         return doubtful
-
-    def _silent(self) -> dict[str, str]:
-        since = time.monotonic() - SILENT_S
-        silent = [address for address, (_, at) in self._seen.items() if at < since]
-        return {address: f"the Dask worker at {address} has said nothing for {SILENT_S:.0f} s or longer" for address in silent}
 
     def _forward_outcome(self, answer: Future[Any], future: Any) -> None:
         """Pass on the outcome of a task that is computed, refused or lost; runs in a thread of Dask's."""
@@ -167,7 +146,7 @@ class DaskExecutor(Executor):
         try:
             told: dask_task.TaskAnswer = future.result(timeout=2 * CONNECT_S)
             if told["done"] is None:
-                raise self._refusal(told["address"], told["release"])
+                raise self._states.refuse(told["address"], told["release"])
             done, value = pickle.loads(told["done"])
         except (CancelledError, TimeoutError, OSError):
             self._give_up(answer, None)
@@ -177,12 +156,6 @@ class DaskExecutor(Executor):
             self._give_up(answer, error)
         else:
             self._finish(answer, value) if done else self._give_up(answer, value)
-
-    def _refusal(self, address: str, release: str) -> TaskRefused:
-        words = _release_mismatch(address, release) or f"the Dask worker at {address} refuses its tasks"
-        with self._lock:
-            self._refused[address] = words, time.monotonic() + REFUSED_S
-        return TaskRefused(words)
 
     def _finish(self, answer: Future[Any], outcome: object) -> None:
         with self._lock:
@@ -221,13 +194,3 @@ class DaskExecutor(Executor):
             raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {error}") from error
         logger.info("identifications are computed by the Dask cluster at %s", self._address)
         return self._client
-
-
-def _release_mismatch(address: str, release: str | None) -> str:
-    """Return the objection to a worker's release; an empty text when there is none."""
-    ours = dask_task.RELEASE
-    if release is None:
-        return f"the Dask worker at {address} does not say its release: start it as `rundown worker` of release {ours}"
-    if release != ours:
-        return f"the Dask worker at {address} runs release {release}, this service {ours}: upgrade the older one"
-    return ""

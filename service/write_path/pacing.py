@@ -23,9 +23,9 @@ class Pacing:
         self.paused_s = 0.0
         """Total of all pauses."""
 
-    def begin(self, *, hurried: bool) -> None:
-        """Begin a cycle. hurried: without pauses, while there is a backlog."""
-        self._left_s = 0.0 if hurried else LONGEST_S
+    def begin(self, *, without_pauses: bool) -> None:
+        """Begin a cycle. without_pauses: whether to store at full speed, as while there is a backlog."""
+        self._left_s = 0.0 if without_pauses else LONGEST_S
 
     def pause(self) -> None:
         """Pause after a step, if the cycle still has time for it; a pause counts by its actual length."""

@@ -127,7 +127,7 @@ def requeue(session: Session, row: JobRow, error: str) -> None:
 
 
 def requeue_uncounted(row: JobRow) -> None:
-    """Queue a job again, in its turn and without counting the attempt, when its worker went away for another reason."""
+    """Queue a job again in its old turn, without counting the attempt: its worker ended for a reason that is not the job's."""
     row.state, row.attempts, row.holder = QUEUED, max(0, row.attempts - 1), None
 
 

@@ -50,7 +50,7 @@ class AlertGlance:
 
 @dataclass(frozen=True)
 class FailedJobGlance:
-    """An identification that failed in the overview, after which none of its machine has ended well."""
+    """A failed identification in the overview; none of its machine has succeeded since."""
 
     id: int
     error: str | None

@@ -133,7 +133,7 @@ class ModelCalibrationRow(Base):
     """The machine's document with the calibration."""
     code_version: Mapped[str | None] = mapped_column(Name(64))
     revision_in_force: Mapped[int | None]
-    """Revision of the document as which it was put in force last; null: never."""
+    """Revision of the document by which it was last put in force; null: never."""
 
 
 class BaselineRow(Base):

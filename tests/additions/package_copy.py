@@ -8,9 +8,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.paths import ROOT
+from tests.paths import PACKAGES, ROOT
 
-PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
 PAGE = "dashboard/src"
 
 

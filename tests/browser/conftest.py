@@ -85,7 +85,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @contextlib.contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Alone among the processes of this run of tests."""
+    """Hold a lock that no other process of this run of tests has."""
     with path.open("w") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
         yield
@@ -104,7 +104,7 @@ def place(recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 
 @pytest.fixture(scope="module")
 def serving(place: Service) -> Iterator[subprocess.Popen[bytes]]:
-    """Its process."""
+    """Return the service's process."""
     with place.running() as started:
         yield started
 

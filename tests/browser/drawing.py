@@ -22,7 +22,7 @@ SEEN_AGAIN = """() => {
 
 
 def drawn(page: Page) -> list[int]:
-    """For every plot how many of its pixels belong to its first curve."""
+    """Count for every plot the pixels of its first curve."""
     found = page.locator(".plot canvas")
     return [canvas.evaluate(COUNT) for canvas in found.all()]
 

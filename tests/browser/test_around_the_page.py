@@ -48,7 +48,7 @@ def test_on_a_phone_what_stands_out_is_in_sight(seen: Seen) -> None:
 
 
 def middle(element: Locator) -> float:
-    """Of an element, across the window [px]."""
+    """Return the middle of an element across the window [px]."""
     box = element.bounding_box()
     assert box is not None
     return box["x"] + box["width"] / 2

@@ -160,7 +160,7 @@ def test_a_live_run_is_drawn_over_an_earlier_one_of_its_kind(seen: Seen, service
     assert seen.errors == []
 
 
-def test_an_overlaid_run_that_cannot_be_read_is_told_in_words(seen: Seen, service: Service) -> None:
+def test_an_overlaid_run_that_cannot_be_read_is_reported_in_words(seen: Seen, service: Service) -> None:
     """Said of the run that is going on and of orbits: refused, cut off on the way, of other channels, or no run at all."""
     runs = service.get(f"/machines/{MACHINE}/runs")
     now, earlier = runs[0], [run["id"] for run in runs[1:] if run["kind"] == runs[0]["kind"]]

@@ -38,7 +38,7 @@ class KeyedService:
 
 @pytest.fixture(scope="module")
 def secured(tmp_path_factory: pytest.TempPathFactory) -> Iterator[KeyedService]:
-    """Over two plants; the key is an operator's of the first."""
+    """A service over two plants; the key is an operator's of the first."""
     path = tmp_path_factory.mktemp("secured") / "rundown.db"
     database = Database(sqlite_url(path))
     fill(database)

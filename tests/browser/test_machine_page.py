@@ -444,7 +444,7 @@ def test_a_young_ramp_is_not_called_a_step(seen: Seen, service: Service) -> None
     expect(texts.filter(has_text="step up")).to_have_count(0)
 
 
-def test_an_element_is_told_once_as_its_alert_tells_it(seen: Seen, service: Service) -> None:
+def test_an_element_is_reported_once_as_its_alert_tells_it(seen: Seen, service: Service) -> None:
     (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
     figure = next(one for one in alert["advice"]["how_far"] if one["of"] == "coupling.C1.coefficients")
     seen.open(f"machines/{MACHINE}")

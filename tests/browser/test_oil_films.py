@@ -35,7 +35,7 @@ def films(place: Service, serving: object) -> Service:
 
 
 def told(service: Service) -> dict[str, dict[str, Any]]:
-    """By name what the newest accepted identification says."""
+    """Return what the newest accepted identification reports, by name."""
     newest = next(one for one in service.get(f"/machines/{FILMS}/identifications") if one["accepted"])
     found = service.get(f"/identifications/{newest['id']}")
     return {one.get("parameter") or one["name"]: one for one in (*found["estimates"], *found["derived"])}
@@ -145,7 +145,7 @@ def test_the_centreline_of_an_earlier_identification_is_laid_over(seen: Seen, fi
     assert seen.errors == []
 
 
-def test_alignment_of_the_coupling_is_told_with_what_is_known_of_its_change(seen: Seen, films: Service) -> None:
+def test_alignment_of_the_coupling_is_reported_with_what_is_known_of_its_change(seen: Seen, films: Service) -> None:
     """Of a machine whose baseline is not complete nothing has changed yet, which is said."""
     told = films.get(f"/machines/{FILMS}/alignment")
     seen.open(f"machines/{FILMS}/model")

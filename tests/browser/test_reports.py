@@ -226,7 +226,7 @@ def test_words_on_trends_are_those_of_the_period(seen: Seen, service: Service) -
 
 
 def asked_identifications(addresses: list[str]) -> list[str]:
-    """Of which identification each question is; "newest" where it says none."""
+    """Return which identification each request is of; "newest" where it names none."""
     return [parse_qs(urlsplit(one).query).get("identification", ["newest"])[0] for one in addresses]
 
 

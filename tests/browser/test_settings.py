@@ -224,7 +224,7 @@ def test_since_when_a_subscription_is_disabled_is_not_made_up(seen: Seen) -> Non
     assert seen.errors == []
 
 
-def test_what_was_undone_meanwhile_is_done_anew(seen: Seen, service: Service) -> None:
+def test_what_was_undone_meanwhile_is_done_again(seen: Seen, service: Service) -> None:
     said = {"kind": "zenoh", "name": "night shift", "target": ""}
     added = service.client.post("/subscriptions", json=said).raise_for_status().json()["id"]
     lost: list[Route] = []

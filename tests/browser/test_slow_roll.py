@@ -57,7 +57,7 @@ class PageRequests:
         seen.page.on("response", lambda answer: self.answers.append(answer))
 
     def of(self, end: str) -> dict[str, tuple[list[str], Any]]:
-        """By path, of those with this end: the slow roll asked for, and the answer."""
+        """Return the requested slow roll and the answer by path, of the paths with this end."""
         parts = [(urlsplit(one.url), one) for one in self.answers]
         return {
             url.path: (parse_qs(url.query).get("slow_roll", []), one.json()) for url, one in parts if url.path.endswith(end)

@@ -285,7 +285,7 @@ def test_that_the_histories_of_another_machine_cannot_be_had_is_not_said_to_be_n
         ),
     ],
 )
-def test_angles_of_two_machines_are_told_of_each_where_they_do_not_turn_the_same_way(
+def test_angles_of_two_machines_are_reported_for_each_where_they_do_not_turn_the_same_way(
     seen: Seen, service: Service, rotation: str, said: str
 ) -> None:
     found = service.get(f"/machines/{COPY}")

@@ -196,7 +196,7 @@ def test_an_import_finds_all_that_the_file_asks_for() -> None:
     assert max(column for column, _ in cells) < 24
 
 
-def test_grafana_knows_the_dashboard_and_is_told_of_the_service() -> None:
+def test_grafana_knows_the_dashboard_and_the_service() -> None:
     found = Dashboard.from_json(DASHBOARD)
     assert [one.title for one in found.panels or []] == [one["title"] for one in DASHBOARD["panels"]]
     provisioned = yaml.safe_load((COMPOSE / "grafana/provisioning/datasources/rundown.yml").read_text())["datasources"]

@@ -78,14 +78,14 @@ class Layout:
         self._begin("edge", python(self.folder / "edge.log", "-m", "tests.faults.edge", *arguments))
 
     def kill(self, name: str) -> None:
-        """As a power cut would."""
+        """Kill it without warning, like a power cut."""
         context, one = self._running.pop(name)
         one.kill()
         one.wait()
         context.__exit__(None, None, None)
 
     def stop(self, name: str) -> None:
-        """As an operator would."""
+        """Stop it in the regular way, like an operator."""
         context, _ = self._running.pop(name)
         context.__exit__(None, None, None)
 
@@ -94,7 +94,7 @@ class Layout:
         self._running[name][1].send_signal(number)
 
     def client(self, name: str) -> httpx.Client:
-        """Of a replica's API."""
+        """Return a client of a replica's API."""
         return self._clients[name]
 
     def get(self, name: str, path: str, **parameters: Any) -> Any:

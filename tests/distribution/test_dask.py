@@ -126,7 +126,7 @@ def test_a_job_that_kills_its_process_every_time_is_put_aside_and_others_go_on(
 
 
 def attempts(database: Database) -> list[int]:
-    """Of the jobs, oldest first."""
+    """Return the jobs' attempts, oldest first."""
     with database.reading() as session:
         return [row.attempts for row in reversed(jobs.of_machine(session, "thesis-chapter-3", limit=100))]
 
@@ -149,7 +149,7 @@ def attempts(database: Database) -> list[int]:
 def test_a_worker_of_another_release_is_refused_with_words_and_the_job_goes_back_unhurt(
     cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, change: str, words: str
 ) -> None:
-    monkeypatch.setattr("service.workers.dask_executor.REFUSED_S", 3.0)
+    monkeypatch.setattr("service.workers.dask_worker_states.REFUSED_S", 3.0)
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)
@@ -169,7 +169,7 @@ def test_a_worker_of_another_release_is_refused_with_words_and_the_job_goes_back
 def test_what_a_frozen_worker_has_is_given_up_and_another_one_computes_it(
     cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.workers.dask_executor.SILENT_S", 4.0)
+    monkeypatch.setattr("service.workers.dask_worker_states.SILENT_S", 4.0)
     monkeypatch.setattr("service.workers.dask_executor.GRACE_S", 2.0)
     with database.transaction() as session:
         machines.create(session, train)

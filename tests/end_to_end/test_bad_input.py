@@ -139,7 +139,7 @@ def test_service_without_its_router_is_healthy_but_not_ready(service: Service, t
 
 
 def ends_cleanly(serving: "subprocess.Popen[bytes]") -> None:
-    """On SIGTERM, with status 0."""
+    """Return whether it ends on SIGTERM with status 0."""
     serving.terminate()
     assert serving.wait(20) == 0
 

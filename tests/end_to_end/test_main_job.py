@@ -124,6 +124,6 @@ def test_service_killed_twice_resumes_with_nothing_lost_and_nothing_twice(servic
 
 
 def kill(serving: "subprocess.Popen[bytes]") -> None:
-    """As a power cut would."""
+    """Kill it without warning, like a power cut."""
     serving.kill()
     serving.wait()

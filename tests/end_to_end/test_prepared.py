@@ -23,7 +23,7 @@ def test_a_forked_command_says_and_returns_what_a_started_one_does(tmp_path: Pat
     assert "workers" in told[0][1]
 
 
-def test_how_it_was_ended_is_told(tmp_path: Path) -> None:
+def test_how_it_was_ended_is_reported(tmp_path: Path) -> None:
     log = tmp_path / "router.log"
     with process(log, "router", "--listen", f"tcp/127.0.0.1:{free_port()}") as one:
         until(lambda: "routing on" in log.read_text(), within_s=30, what="it runs")

@@ -96,14 +96,14 @@ class Prometheus:
         return vector
 
     def health(self) -> str | None:
-        """Of the service, as its target."""
+        """Return the health of the service as Prometheus's target."""
         targets = (self.get("targets") or {}).get("activeTargets") or [{"health": None}]
         return str(targets[0]["health"])
 
 
 @pytest.fixture
 def prometheus(tmp_path: Path, service: tuple[Service, subprocess.Popen[bytes]]) -> Iterator[Prometheus]:
-    """It runs until the test is over."""
+    """A Prometheus that runs until the test is over."""
     one = Prometheus(tmp_path, service[0])
     with (tmp_path / "prometheus.log").open("w") as log:
         process = subprocess.Popen([program("prometheus"), *one.arguments], stdout=log, stderr=log)

@@ -103,7 +103,7 @@ def moody(service: Service, *statuses: int) -> Iterator[str]:
             return answer.status_code, answer.content
 
         def log_message(self, format: str, *args: Any) -> None:
-            """Nothing."""
+            """Log nothing."""
 
     with ThreadingHTTPServer(("127.0.0.1", 0), PublishHandler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()

@@ -25,7 +25,7 @@ class TelemetryCollector(http.server.BaseHTTPRequestHandler):
         self.end_headers()
 
     def log_message(self, *_: object) -> None:
-        """Nothing."""
+        """Log nothing."""
 
 
 def test_requests_are_spans(tmp_path: Path, databases: Databases) -> None:

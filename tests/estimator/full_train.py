@@ -196,7 +196,7 @@ def full_response(
 
 
 def true_values(machine: Machine) -> dict[str, complex]:
-    """By parameter name, the document's own coefficients and unbalances, where it gives them."""
+    """Return the document's own coefficients and unbalances by parameter name, where it gives them."""
     names = ["kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy", "mxx", "myy", "k_phix", "k_phiy"]
     names += ["k_phixy", "k_phiyx", "c_phix", "c_phiy", "kx_phiy", "ky_phix"]
     found: dict[str, complex] = {}

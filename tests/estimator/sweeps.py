@@ -129,7 +129,7 @@ def recorded(
 
 
 def noisy(clean: Complexes, seed: int, relative: float = 0.01) -> Complexes:
-    """With circular complex noise of a part of each amplitude."""
+    """Add circular complex noise of a part of each amplitude."""
     rng = np.random.default_rng(seed)
     noise = rng.standard_normal(clean.shape) + 1j * rng.standard_normal(clean.shape)
     return np.asarray(clean + relative / np.sqrt(2) * np.abs(clean) * noise)

@@ -139,7 +139,7 @@ def test_a_public_function_that_solves_something_has_its_source(module: str) -> 
     )
 
 
-def test_functions_that_solve_something_are_told_from_others() -> None:
+def test_functions_that_solve_something_are_distinguished_from_others() -> None:
     source = """
 def mean(a): return a / 2
 def roots(a):
@@ -191,7 +191,7 @@ def test_the_whole_paper_can_be_found() -> None:
         ("In 2008 (see there) nothing was published.", False, False),
     ],
 )
-def test_sources_are_told_from_words(docstring: str, due: bool, given: bool) -> None:
+def test_sources_are_distinguished_from_words(docstring: str, due: bool, given: bool) -> None:
     source = f'"""{docstring}"""\n'
     assert (is_due(source), is_given(source)) == (due, given)
     assert is_due(f"{source}import scipy.linalg\n")

@@ -73,7 +73,7 @@ def _told(given: dict[str, Any]) -> list[tuple[Any, ...]]:
     return [(one["loc"], one["type"], one["msg"], one["input"]) for one in raised.value.errors()]
 
 
-def test_what_is_refused_before_reading_is_told_among_the_other_errors_in_the_order_of_the_fields() -> None:
+def test_what_is_refused_before_reading_is_reported_among_the_other_errors_in_the_order_of_the_fields() -> None:
     given = {"note": 1, "unknown": 1, "sweep": 0, "weight": -1.0, "speeds": [0.0] * 4, "from": True}
     assert _told(given) == [
         (("from",), "value_error", "Value error, true and false are no values of this field", True),
@@ -94,7 +94,7 @@ def test_contradictions_are_not_looked_for_while_a_field_is_refused() -> None:
     assert [one[0] for one in _told({"from": 1.0, "speeds": [True], "weight": 1.0, "note": "contradiction"})] == [("speeds",)]
 
 
-def test_what_is_wrong_with_the_object_as_a_whole_is_told_alone() -> None:
+def test_what_is_wrong_with_the_object_as_a_whole_is_reported_alone() -> None:
     written = document()
     written["bearings"][0]["speed_dependence"] = {"form": "table", "csv": "table.csv", "scale_spread": True}
     with pytest.raises(ValidationError) as raised:

@@ -70,7 +70,7 @@ class Changing:
     count: int = 0
 
     def run(self, stop: threading.Event) -> None:
-        """Until it is stopped."""
+        """Run until it is stopped."""
         with httpx.Client(base_url=self.service.client.base_url, trust_env=False, timeout=5.0) as client:
             while not stop.wait(PAUSE_S):
                 self.count += 1
@@ -111,7 +111,7 @@ class Following:
     seen: list[int] = field(default_factory=list)
 
     def run(self, stop: threading.Event) -> None:
-        """Until it is stopped."""
+        """Run until it is stopped."""
         with httpx.Client(trust_env=False, timeout=0.5) as client:
             while not stop.wait(0.1):
                 last = {"Last-Event-ID": str(self.seen[-1] if self.seen else 0)}
@@ -256,7 +256,7 @@ def _check_webhooks(received: list[ReceivedRequest], events: list[AlertEventRow]
 
 
 def _check_heard(heard: list[dict[str, int]], events: list[AlertEventRow]) -> None:
-    """Of what is published nobody says that it came; what came did happen, and came in order."""
+    """Require that events which came did happen, and came in order. Nobody acknowledges what is published."""
     happened = {(event.alert_id, event.number) for event in events}
     numbers: dict[int, list[int]] = defaultdict(list)
     for one in heard:

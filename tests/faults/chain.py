@@ -49,7 +49,7 @@ class Chain:
         self._running[part] = context, context.__enter__()
 
     def kill(self, part: ChainPart) -> None:
-        """As a power cut would."""
+        """Kill it without warning, like a power cut."""
         context, one = self._running.pop(part)
         one.kill()
         one.wait()
@@ -82,11 +82,11 @@ class Chain:
         self._around.close()
 
     def pid(self, part: ChainPart) -> int:
-        """Its process id."""
+        """Return its process id."""
         return self._running[part][1].pid
 
     def wait_ready(self, *, ready: bool, within_s: float) -> float:
-        """Until the service says that it is ready, or that it is not; returns after how long [s]."""
+        """Wait until the service reports that it is ready, or that it is not; return the time that took [s]."""
         began = time.monotonic()
         status = 200 if ready else 503
         until(
@@ -97,7 +97,7 @@ class Chain:
         return time.monotonic() - began
 
     def wait_received(self, count: int, *, within_s: float = 60.0) -> None:
-        """Until so many samples are stored."""
+        """Wait until so many samples are stored."""
         until(lambda: self.received() >= count, within_s=within_s, what=f"{count} samples stored")
 
     def check_exact(self) -> None:

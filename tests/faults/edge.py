@@ -20,7 +20,7 @@ from tests.plant import KEY
 
 
 def main() -> None:
-    """Until SIGTERM."""
+    """Run until SIGTERM."""
     endpoint, path, samples, rate = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())

@@ -99,7 +99,7 @@ def flipped(draw: random.Random, number: int) -> Message:
 
 
 def cut(draw: random.Random, number: int) -> Message:
-    """Too short or too long."""
+    """Make a message too short or too long."""
     encoding = draw.choice(ENCODINGS)
     body = _as(good(number), encoding)
     at = draw.randrange(len(body))
@@ -155,7 +155,7 @@ def other_units(draw: random.Random, number: int) -> Message:
 
 
 def no_channels(draw: random.Random, number: int) -> Message:
-    """Without channels, without samples, or with rows of other lengths."""
+    """Leave out channels or samples, or make rows of other lengths."""
     encoding = draw.choice(ENCODINGS)
     body = good(number)
     chance = draw.random()
@@ -170,7 +170,7 @@ def no_channels(draw: random.Random, number: int) -> Message:
 
 
 def other_encoding(draw: random.Random, number: int) -> Message:
-    """It says another encoding than it is in, or none that there is."""
+    """State another encoding than the message has, or one that does not exist."""
     said = draw.choice((*ENCODINGS, "", "zenoh/bytes", "text/plain", "application/json; charset=utf-16", "\x00"))
     return frame(_as(good(number), draw.choice(ENCODINGS))), said
 
@@ -227,7 +227,7 @@ class Fuzzed:
         self._writer = SampleWriter(self.database, Collector())
 
     def run(self, cases: int, *, number: int) -> None:
-        """So many more cases, of a seed of their own."""
+        """Run so many more cases, from a seed of their own."""
         last = self.cases + cases
 
         @seed(number)

@@ -61,7 +61,7 @@ def _closed(service: Service) -> list[dict[str, Any]]:
 
 
 def _wait_for_the_middle(service: Service, *, behind: int) -> None:
-    """Until so many runs are closed and the next one is under way."""
+    """Wait until so many runs are closed and the next one is under way."""
 
     def under_way() -> bool:
         run = service.get(f"/machines/{MACHINE}/state")["run"]

@@ -35,7 +35,7 @@ class Neighbour(threading.Thread):
         self.stored, self.took, self.refused = 0, [0.0], Counter[int]()
 
     def run(self) -> None:
-        """Until it is told to end."""
+        """Run until it is told to end."""
         while not self.ended.wait(0.2):
             batch = measured(self.stored, 20, machine=OTHER, plant=OTHER_PLANT)
             began = time.perf_counter()

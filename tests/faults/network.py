@@ -27,7 +27,7 @@ class Wire:
         return f"tcp/127.0.0.1:{self._listener.getsockname()[1]}"
 
     def hold(self) -> None:
-        """From here on nothing passes, in neither direction, and nobody is told."""
+        """Let nothing pass from here on, in neither direction, without telling either end."""
         self._open.clear()
 
     def release(self) -> None:
@@ -74,7 +74,7 @@ class Wire:
 
 
 def _close(end: socket.socket) -> None:
-    """Also for the thread that waits in it."""
+    """Close a connection, also for the thread that waits in it."""
     with contextlib.suppress(OSError):  # it is closed already
         end.shutdown(socket.SHUT_RDWR)
     end.close()

@@ -75,7 +75,7 @@ class Posting:
     unexpected: list[str] = field(default_factory=list)
 
     def run(self, stop: threading.Event) -> None:
-        """Until it is stopped and the last batch is acknowledged."""
+        """Run until it is stopped and the last batch is acknowledged."""
         with httpx.Client(trust_env=False, timeout=20.0) as client:
             while not stop.wait(POSTED_SIZE / RATE):
                 body = encode_body(measured(self.acknowledged, POSTED_SIZE, machine=POSTED), JSON)
@@ -165,14 +165,14 @@ def _durable(store: Database) -> int:
 
 
 def _disorder(rows: Sequence[SampleBlockRow]) -> list[tuple[int, int, int]]:
-    """Of each block that does not begin where the one before ends: that end, its own beginning, its count."""
+    """List the blocks that do not begin where the one before ends: that end, their own beginning, their count."""
     ends = [0, *(row.first_sequence + row.count for row in rows)]
     pairs = zip(ends, rows, strict=False)
     return [(end, row.first_sequence, row.count) for end, row in pairs if row.first_sequence != end]
 
 
 def _check_store(store: Database, samples: dict[str, int]) -> None:
-    """Of each machine what was measured, in order, once, and counted so."""
+    """Require that the store holds what was measured of each machine, in order and once, and counts it so."""
     with store.reading() as session:
         for machine_id, count in samples.items():
             rows = session.query(SampleBlockRow).filter_by(machine_id=machine_id).order_by(SampleBlockRow.first_sequence).all()

@@ -34,7 +34,7 @@ class ShiftedService(Service):
         new.replace(self._offset_file)
 
     def started(self) -> AbstractContextManager[Popen[bytes]]:
-        """As of Service."""
+        """Start the service with its shifted clock."""
         flags = ["--database", self.database, "--port", str(self.port), "--zenoh-listen", self.endpoint]
         arguments = ["-m", "tests.faults.shifted_clock", str(self._offset_file), "serve", *flags]
         return python(self.log, *arguments, **self._environment)

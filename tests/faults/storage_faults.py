@@ -73,7 +73,7 @@ def full(chain: Chain) -> Iterator[None]:
 
 @contextlib.contextmanager
 def read_only(chain: Chain) -> Iterator[None]:
-    """Nothing can be written to the store's files; where that cannot be forbidden, not a byte to any file."""
+    """Make the store's files read-only; where that cannot be done, let no byte be written to any file."""
     changed = subprocess.run(["chattr", "+i", *map(str, _files(chain))], capture_output=True, check=False)
     if changed.returncode == 0:
         try:

@@ -57,7 +57,7 @@ class StreamClient:
         return reader, writer
 
     async def read(self, last: int) -> None:
-        """Until this event has come, over as many connections as that takes."""
+        """Read until this event has come, over as many connections as that takes."""
         while last not in self.ids[-1:]:
             found = await self.connect()
             if found is None:

@@ -27,7 +27,7 @@ def answer(service: Service, path: str, key: str) -> httpx.Response:
 
 
 @pytest.mark.parametrize("how", ["away", pytest.param("frozen", marks=pytest.mark.long)])
-def test_a_database_that_does_not_answer_is_told_in_time(tmp_path: Path, how: str) -> None:
+def test_a_database_that_does_not_answer_is_reported_in_time(tmp_path: Path, how: str) -> None:
     with own_server() as (server, database):
         key = rundown("key", "create", "prometheus", "--role", "admin", "--database", database).stdout.strip()
         service = Service(tmp_path, database=database)

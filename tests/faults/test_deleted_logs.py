@@ -46,7 +46,7 @@ def acknowledged(service: Service, first: int, last: int) -> int:
 
 
 def nobody(_service: Service) -> None:
-    """Does nothing meanwhile."""
+    """Do nothing meanwhile."""
 
 
 def doctor(service: Service) -> None:

@@ -28,7 +28,7 @@ def test_of_a_source_without_a_log_exactly_what_never_came_is_lost(tmp_path: Pat
 
 
 @pytest.mark.long
-def test_alerts_are_told_though_the_service_is_killed(tmp_path: Path) -> None:
+def test_alerts_are_reported_though_the_service_is_killed(tmp_path: Path) -> None:
     told = alert_deliveries.deliveries_through_kills(tmp_path, seed=1, kills=2)
     assert told.events > 10
     assert told.heard > 10

@@ -55,7 +55,7 @@ def test_rubbish_is_counted_and_kept_out(plant: Database) -> None:
 
 
 @pytest.mark.long
-def test_messages_of_64_mb_are_told_and_let_go(tmp_path: Path) -> None:
+def test_messages_of_64_mb_are_reported_and_let_go(tmp_path: Path) -> None:
     service = Service(tmp_path)
     with service.running() as serving, stream_session(listen=[], connect=[service.endpoint]) as stream:
         assert service.client.post("/machines", json=document()).status_code == 201

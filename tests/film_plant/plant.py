@@ -72,7 +72,7 @@ class Plant:
         return assemble(self.train)
 
     def films(self, speed: Floats) -> Equilibrium:
-        """True films at speeds (S,) [rad/s]."""
+        """Compute the true films at speeds (S,) [rad/s]."""
         found = Statics(self.train, self.matrices).follow(speed)
         return found if self.discrepancy is None else self._of_films_only(self.discrepancy.applied(found), found)
 

@@ -37,7 +37,7 @@ class OwnCoefficients:
 
     @property
     def constant(self) -> bool:
-        """True where they are the same at every speed."""
+        """Return whether the coefficients are the same at every speed."""
         return self.speed.size == 1
 
     def at(self, speed: float) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ from tests.film_plant.documents import DIRECT, Form, linear_document, linear_mac
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
 from tests.film_plant.response import response
-from tests.paths import ROOT
+from tests.paths import PACKAGES, ROOT
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +78,6 @@ def test_only_the_documents_know_the_estimator() -> None:
         for node in ast.walk(ast.parse(path.read_text())):
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
             names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
-            if any(name.split(".")[0] in ("estimator", "storage", "service") for name in names):
+            if any(name.split(".")[0] in PACKAGES for name in names):
                 knowing.append(path.name)
     assert set(knowing) == {"documents.py", "scores.py"}

@@ -142,7 +142,9 @@ def test_a_clearance_that_is_15_per_cent_larger_is_wear() -> None:
     ],
     ids=["worn", "far worn", "thicker oil"],
 )
-def test_an_offset_is_told_within_its_interval_beside_another_cause(other: PlantChange, named: set[tuple[str, str]]) -> None:
+def test_an_offset_beside_another_cause_is_reported_within_its_interval(
+    other: PlantChange, named: set[tuple[str, str]]
+) -> None:
     found = {(one.cause.kind, one.cause.element): one for one in diagnosed(lambda one: other(sunk(100e-6)(one))).causes}
     moved = {(kind, element) for kind, element in found if kind != "light_load"}  # which a sunk bearing may have besides
     assert moved == {("misalignment", "coupling.C1"), *named}

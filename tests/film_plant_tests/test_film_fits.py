@@ -51,7 +51,7 @@ def test_right_documents_are_accepted_and_most_intervals_hold() -> None:
     assert np.mean(of_films) > 0.88
 
 
-def test_what_is_told_has_names_elements_and_units() -> None:
+def test_what_is_reported_has_names_elements_and_units() -> None:
     plant, found = fitted(2)
     clearance = found.estimate("bearing.B2.clearance")
     assert (clearance.element, clearance.unit, clearance.quantity) == ("bearing.B2", "m", "clearance")
@@ -60,7 +60,7 @@ def test_what_is_told_has_names_elements_and_units() -> None:
     assert not any("deviation" in one.name for one in found.estimates)
 
 
-def test_by_the_document_alone_names_and_units_are_those_that_are_told() -> None:
+def test_by_the_document_alone_names_and_units_are_those_that_are_reported() -> None:
     plant, found = fitted(0)
     machine = parse_machine(film_document(plant))
     assert parameter_units(machine) == {one.name: one.unit for one in found.estimates}

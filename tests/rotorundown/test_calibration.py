@@ -44,7 +44,7 @@ def test_the_model_of_a_calibrated_machine_moves_as_the_kit_did(calibrated: rd.C
     assert 0.01 < predicted.lower[0, 2] / predicted.upper[0, 2] < 0.99
 
 
-def test_what_a_later_run_has_gained_is_told_of_a_calibrated_machine_only(
+def test_what_a_later_run_has_gained_is_reported_for_a_calibrated_machine_only(
     calibrated: rd.CalibratedMachine, tmp_path: Path
 ) -> None:
     pump = rd.read_machine(EXAMPLES / "motor-pump.yaml")

@@ -38,7 +38,7 @@ def result(moved: Mapping[str, float], rng: np.random.Generator) -> Result:
     return Result(MODEL.machine, (), fit, ())
 
 
-def test_an_offset_beside_a_worn_bearing_is_told_in_micrometres() -> None:
+def test_an_offset_beside_a_worn_bearing_is_reported_in_micrometres() -> None:
     rng = np.random.default_rng(7)
     baseline = [result({}, rng) for _ in range(BASELINE)]
     sunk = {f"bearing.{bearing}.elevation_y": -120e-6 for bearing in ("B3", "B4")}

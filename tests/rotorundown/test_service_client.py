@@ -33,7 +33,7 @@ from tests.ports import free_port
 
 @pytest.fixture
 def url(plant: Database) -> Iterator[str]:
-    """Over a machine with three identifications and an alert."""
+    """Address of a service over a machine with three identifications and an alert."""
     with plant.transaction() as session:
         for number, factor in enumerate((1.0, 1.0, 1.2)):
             outcome = identification({"coupling.C1.kxx": factor})

@@ -24,7 +24,7 @@ from tests.plant import KEY, SECOND, START, document, identification, machine, s
 
 @pytest.fixture
 def rundown(plant: Database) -> Rundown:
-    """Over a machine with three identifications and an alert."""
+    """A client of a service over a machine with three identifications and an alert."""
     with plant.transaction() as session:
         for number, factor in enumerate((1.0, 1.0, 1.2)):
             outcome = identification({"coupling.C1.kxx": factor})

@@ -25,7 +25,7 @@ def test_zones_are_heeded_and_a_naive_time_is_utc() -> None:
     assert from_datetime(east) == from_datetime(datetime(2024, 1, 1, tzinfo=UTC)) == from_datetime(datetime(2024, 1, 1))
 
 
-def test_a_time_far_ahead_is_told_from_one_that_is_nearly_now() -> None:
+def test_a_time_far_ahead_is_distinguished_from_one_that_is_nearly_now() -> None:
     before = now()
     assert before + FUTURE_TOLERANCE <= latest()
     assert not is_ahead(before + FUTURE_TOLERANCE)

@@ -58,8 +58,8 @@ export function localCsv(text: string): string {
   const separator = csvSeparator();
   if (separator === ",") return text;
   return text.replace(CELLS, (_, cell: string, end: string) => {
-    const told = DECIMAL.test(cell) ? cell.replace(".", ",") : cell.includes(separator) && !cell.startsWith('"') ? `"${cell}"` : cell;
-    return told + (end === "," ? separator : end);
+    const text = DECIMAL.test(cell) ? cell.replace(".", ",") : cell.includes(separator) && !cell.startsWith('"') ? `"${cell}"` : cell;
+    return text + (end === "," ? separator : end);
   });
 }
 

@@ -10,7 +10,7 @@ export interface Unit {
 
 export interface Units {
   amplitude: Unit;
-  /** Of places along a probe's axis and of alignments, from µm. */
+  /** Unit of places along a probe's axis and of alignments, with the factor from µm. */
   length: Unit;
   speed: Unit;
 }

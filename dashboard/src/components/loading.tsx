@@ -35,7 +35,7 @@ export function StaleNotice({ result: { data, failure, asOf } }: { result: Query
 
 /** After so long a view says that it is being computed [ms]: what is there at once does not flicker. */
 const SAYS_AFTER_MS = 700;
-/** After so long it says what takes so long [s]. */
+/** Time after which it says what takes so long [s]. */
 const LONG_S = 20;
 
 /** Whether something has been waited for so long that a view says so. */
@@ -56,9 +56,9 @@ export function Loading({ height }: { height: string }) {
   const [seconds, setSeconds] = useState<number | null>(null);
   useEffect(() => {
     const begun = Date.now();
-    const tell = () => setSeconds(Math.round((Date.now() - begun) / 1000));
-    const first = window.setTimeout(tell, SAYS_AFTER_MS);
-    const every = window.setInterval(tell, 1000);
+    const count = () => setSeconds(Math.round((Date.now() - begun) / 1000));
+    const first = window.setTimeout(count, SAYS_AFTER_MS);
+    const every = window.setInterval(count, 1000);
     return () => {
       window.clearTimeout(first);
       window.clearInterval(every);

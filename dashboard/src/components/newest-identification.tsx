@@ -5,12 +5,12 @@ import { t } from "../messages/messages";
 import { ErrorMessage, Loading, StaleNotice } from "./loading";
 import { Empty, Panel } from "./panel";
 
-/** In the place of a view whose identification is not loaded yet. */
+/** Placeholder of a view whose identification is not loaded yet. */
 export function PendingPanel({ title, failure }: { title: string; failure: ApiError | undefined }) {
   return <Panel title={title}>{failure?.isLocal ? <ErrorMessage failure={failure} /> : <Loading height="420px" />}</Panel>;
 }
 
-/** Above a view: why it does not show the next identification, or that the list is stale. */
+/** Notice above a view: why it does not show the next identification, or that the list is stale. */
 export function NewestNotice({ failure, list }: Pick<NewestIdentification, "failure" | "list">) {
   return failure?.isLocal ? <ErrorMessage failure={failure} /> : <StaleNotice result={list} />;
 }

@@ -10,7 +10,7 @@ import { inTurn, isComputed } from "./turns";
 
 export const API_PREFIX = "/api/v1";
 const TIMEOUT_MS = 20_000;
-/** Of what is computed first: the service gives up a computation after a minute, and others may be before it. */
+/** Time limit of requests that need a computation: the service gives one up after a minute, and others may come first. */
 const COMPUTED_MS = 300_000;
 
 /** An error response (RFC 9457), or none at all; then the status is 0. */

@@ -3,7 +3,7 @@ import { getText } from "./http-client";
 
 export interface MachineFile {
   machine: string;
-  /** Of its CSV file. */
+  /** Path of its CSV file. */
   path: string;
 }
 

@@ -17,12 +17,12 @@ export interface QueryResult<T> {
 const MAX_UNUSED = 60;
 /** Younger data are not requested again for another component [ms]. */
 const FRESH_MS = 1000;
-/** Until a retry when no free connection was found in time [ms]. */
+/** Time until a retry when no free connection was found [ms]. */
 const RETRY_MS = 1000;
-/** Until a retry after an error [ms]: soon at first, since a single failed attempt is not reported. */
+/** Time until a retry after an error [ms]: short at first, since a single failed attempt is not reported. */
 const RETRY_SOON_MS = 3000;
 const RETRY_LATER_MS = 10_000;
-/** Until what the service could not compute is asked for again: it would try as long as it did [ms]. */
+/** Time until a failed computation is requested again [ms]: the service would try as long as before. */
 const RETRY_COMPUTED_MS = 120_000;
 /** Data are stale when newer ones could not be loaded for so long [ms]. */
 const STALE_AFTER_MS = 2500;

@@ -8,9 +8,9 @@ export interface SpeedSweep {
   amplitude: (number | null)[][];
   /** Per channel, lag [°], 0 to 360. */
   lag: (number | null)[][];
-  /** Of the 2×, per channel [µm pp]; empty where it was not asked for. */
+  /** Amplitude of the 2× per channel [µm pp]; empty where it was not requested. */
   second: (number | null)[][];
-  /** Of the 2×, lag in degrees of the 2× [°]. */
+  /** Lag of the 2× per channel, in degrees of the 2× [°]. */
   secondLag: (number | null)[][];
 }
 

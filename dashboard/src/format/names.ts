@@ -31,8 +31,8 @@ export function termName(parameter: string): string {
 /** A parameter without its element as people read it: `Unwucht`; the API's name where there is no word for it. */
 export function quantityName(parameter: string): string {
   const name = termName(parameter);
-  const said = term(name);
-  return said === name.replaceAll("_", " ") ? name : said;
+  const worded = term(name);
+  return worded === name.replaceAll("_", " ") ? name : worded;
 }
 
 const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };

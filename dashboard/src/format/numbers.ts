@@ -47,6 +47,11 @@ export function scaleOf(largest: number, unit: string, { speed, length } = USUAL
   return { factor: size > 0 ? 1 / step : 1, unit: (size > 0 ? prefix : "") + (SYMBOLS[unit] ?? unit) };
 }
 
+/** A value in the unit of a scale; null where there is none. */
+export function scaled(value: number | null | undefined, scale: Scale): number | null {
+  return value === null || value === undefined ? null : value * scale.factor;
+}
+
 /** Digits with the decimal mark of the language. */
 export function decimal(digits: string): string {
   return digits.replace(".", t("decimalMark"));

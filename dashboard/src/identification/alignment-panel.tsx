@@ -70,8 +70,8 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
             <tr key={one.name}>
               <td>{one.coupling}</td>
               <th scope="row">{QUANTITIES[one.quantity] ?? one.quantity}</th>
-              <Cell told={one.absolute} unit={one.unit} />
-              {one.change ? <Cell told={one.change} unit={one.unit} /> : <td class="number">–</td>}
+              <DeterminedCell number={one.absolute} unit={one.unit} />
+              {one.change ? <DeterminedCell number={one.change} unit={one.unit} /> : <td class="number">–</td>}
               <td class="number">{allowedText(one, units)}</td>
               {hasTargets && (one.target ? <TargetCell target={one.target} unit={one.unit} /> : <td class="number">–</td>)}
             </tr>
@@ -101,7 +101,7 @@ function Loads({ loads }: { loads: LoadNumber[] }) {
               <td>{one.bearing}</td>
               <th scope="row">{LOADS[one.quantity] ?? one.quantity}</th>
               <td class="number">{number(one.before)} {one.unit}</td>
-              <Cell told={one.change} unit={one.unit} part={one.change_per_cent} />
+              <DeterminedCell number={one.change} unit={one.unit} part={one.change_per_cent} />
             </tr>
           ))}
         </tbody>
@@ -114,8 +114,8 @@ function Loads({ loads }: { loads: LoadNumber[] }) {
 function allowedText({ allowed, beyond, unit }: AlignmentNumber, units: ShownUnits): string {
   if (allowed === null) return "–";
   const scale = scaleOf(allowed, unit, units);
-  const said = `${number(allowed * scale.factor)} ${scale.unit}`;
-  return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: said, chance: chanceOf(beyond) }) : said;
+  const limit = `${number(allowed * scale.factor)} ${scale.unit}`;
+  return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: limit, chance: chanceOf(beyond) }) : limit;
 }
 
 /** A chance in per cent, of which none is certain. */
@@ -124,7 +124,7 @@ function chanceOf(beyond: number): string {
   return part > MOST_CHANCE ? t("chanceAbove", { per_cent: MOST_CHANCE }) : `${Math.round(part)} %`;
 }
 
-/** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
+/** Difference of the alignment from its target, hot or cold, with the probability that it is too large where it probably is. */
 function TargetCell({ target: { state, target, off, beyond }, unit }: { target: AlignmentTarget; unit: string }) {
   const units = useUnits();
   if (off.value === null) return <td class="number muted reason">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;
@@ -139,7 +139,7 @@ function TargetCell({ target: { state, target, off, beyond }, unit }: { target: 
 }
 
 /** part: the number in per cent of what was before; null where that says nothing. */
-function Cell({ told: { value, lower, upper, reason }, unit, part = null }: { told: Determined; unit: string; part?: number | null }) {
+function DeterminedCell({ number: { value, lower, upper, reason }, unit, part = null }: { number: Determined; unit: string; part?: number | null }) {
   const units = useUnits();
   if (value === null) return <td class="number muted reason">{t("notDeterminedBecause", { reason: reason && stored(reason) })}</td>;
   const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit, units);

@@ -52,7 +52,7 @@ function Corrections({ found }: { found: Balancing }) {
 
 function Amplitudes({ found }: { found: Balancing }) {
   const { amplitude } = useUnits();
-  const told = (um: number) => `${number(um * amplitude.factor)} ${amplitude.label}`;
+  const amplitudeText = (um: number) => `${number(um * amplitude.factor)} ${amplitude.label}`;
   return (
     <Scroll label={t("table")}>
       <table>
@@ -67,8 +67,8 @@ function Amplitudes({ found }: { found: Balancing }) {
           {found.before.map((one, at) => (
             <tr key={one.channel}>
               <td>{one.channel}</td>
-              <td class="number">{told(largest(one.amplitude))}</td>
-              <td class="number">{t("belowAmplitude", { upper: told(largest(found.after[at]?.upper ?? [])) })}</td>
+              <td class="number">{amplitudeText(largest(one.amplitude))}</td>
+              <td class="number">{t("belowAmplitude", { upper: amplitudeText(largest(found.after[at]?.upper ?? [])) })}</td>
             </tr>
           ))}
         </tbody>

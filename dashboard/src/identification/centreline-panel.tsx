@@ -33,17 +33,17 @@ export function CentrelinePanel({ machine, found }: { machine: Document; found: 
   return (
     <Panel title={t("shaftCentreline")} aside={<p class="muted">{t("centrelineAxes", { unit: speed.label })}</p>}>
       <div class="choices">
-        <OverlaySelect machine={machine.id} shown={found.id} overlaid={overlaid} />
+        <PathOverlaySelect machine={machine.id} shown={found.id} overlaid={overlaid} />
       </div>
       {other.failure?.isLocal && <ErrorMessage failure={other.failure} />}
       <Loaded result={result} lines={16}>
-        {(lines) => <Lines lines={lines} other={other.data} overlaid={overlaid} />}
+        {(lines) => <CentrelinePlots lines={lines} other={other.data} overlaid={overlaid} />}
       </Loaded>
     </Panel>
   );
 }
 
-function OverlaySelect({ machine, shown, overlaid }: { machine: string; shown: number; overlaid: string }) {
+function PathOverlaySelect({ machine, shown, overlaid }: { machine: string; shown: number; overlaid: string }) {
   const all = useResource<IdentificationSummary[]>(`/machines/${machine}/identifications?limit=${LIMIT}`).data ?? [];
   const others = all.filter((one) => one.accepted && one.id !== shown);
   return (
@@ -60,7 +60,7 @@ function OverlaySelect({ machine, shown, overlaid }: { machine: string; shown: n
   );
 }
 
-function Lines({ lines, other, overlaid }: { lines: Centreline; other: Centreline | undefined; overlaid: string }) {
+function CentrelinePlots({ lines, other, overlaid }: { lines: Centreline; other: Centreline | undefined; overlaid: string }) {
   const units = useUnits();
   const names = [...namesOf(lines), ...(other ? namesOf(other, overlaid) : [])];
   const linesIn = (bearing: string) => [
@@ -88,7 +88,7 @@ function Lines({ lines, other, overlaid }: { lines: Centreline; other: Centrelin
   );
 }
 
-/** Of the model's line and of each run's gaps; of an identification that is laid over, with its number. */
+/** Names of the model's line and of each run's gaps, with the number of an identification that is overlaid. */
 function namesOf({ measured }: Centreline, overlaid = ""): string[] {
   const model = overlaid ? t("modelsLineOf", { id: overlaid }) : t("modelsLine");
   return [model, ...measured.map(({ run }) => t("gapsOfRun", { run }))];
@@ -99,7 +99,7 @@ function measuredText({ measured }: Centreline): string {
   return t("zerosSetByTheModel");
 }
 
-/** style: of the first of the names. */
+/** style: style of the line of the first name. */
 function linesOf(found: Centreline, bearing: string, { length, speed }: Units, names: string[], style: number): JournalLine[] {
   const modelled = found.bearings.find((one) => one.bearing === bearing);
   const line = (at: number, rpm: number[], x: (number | null)[], y: (number | null)[]): JournalLine => ({

@@ -19,7 +19,7 @@ const SIGNIFICANT = 3;
 interface Props {
   shown: string;
   all: IdentificationSummary[];
-  /** Of the identification that is shown: they tell the units. */
+  /** Estimates of the identification that is shown, which have the units. */
   estimates: Estimate[];
 }
 
@@ -80,7 +80,7 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
           </thead>
           <tbody>
             {changes.map((one) => (
-              <Row key={one.parameter} one={one} unit={unitOf(one.parameter, estimates)} />
+              <ChangeRow key={one.parameter} one={one} unit={unitOf(one.parameter, estimates)} />
             ))}
           </tbody>
         </table>
@@ -100,7 +100,7 @@ function valueText(value: number | null, scale: Scale): string {
   return value === null ? t("notDetermined") : `${number(value * scale.factor, 4)} ${scale.unit}`.trim();
 }
 
-function Row({ one, unit }: { one: ComparedChange; unit: string }) {
+function ChangeRow({ one, unit }: { one: ComparedChange; unit: string }) {
   const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit, useUnits());
   const isSignificant = Math.abs(one.sigma ?? 0) > SIGNIFICANT;
   return (

@@ -35,7 +35,7 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
                 </thead>
                 <tbody>
                   {found.critical_speeds.map((one) => (
-                    <Row key={one.speed} one={one} machine={machine} />
+                    <CriticalSpeedRow key={one.speed} one={one} machine={machine} />
                   ))}
                 </tbody>
               </table>
@@ -47,7 +47,7 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
   );
 }
 
-/** With as many digits as tell the interval's ends apart. */
+/** Text with as many digits as distinguish the interval's ends. */
 function bound(value: number | null, { lower, upper }: CriticalSpeed, { factor }: Unit): string {
   if (value === null) return "–";
   const width = lower === null || upper === null ? Infinity : (upper - lower) * factor;
@@ -55,7 +55,7 @@ function bound(value: number | null, { lower, upper }: CriticalSpeed, { factor }
   return decimal((value * factor).toFixed(digits));
 }
 
-function Row({ one, machine }: { one: CriticalSpeed; machine: Document }) {
+function CriticalSpeedRow({ one, machine }: { one: CriticalSpeed; machine: Document }) {
   const { minimum_rpm: low, maximum_rpm: high } = machine.speed_range;
   const { speed } = useUnits();
   return (

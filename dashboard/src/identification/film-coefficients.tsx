@@ -4,7 +4,7 @@ import { speedsInUnit, useUnits } from "../browser/units";
 import { Scroll } from "../components/scroll";
 import { Speed, useSpeedText } from "../components/speed";
 import { TERMS } from "../declarations/terms";
-import { number, scaleOf, type Scale } from "../format/numbers";
+import { number, scaled, scaleOf, type Scale } from "../format/numbers";
 import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { Column } from "../schemas/columns";
@@ -89,7 +89,7 @@ function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; c
             <tr key={one.term}>
               <th scope="row">{one.term}</th>
               {one.at.map((at, place) => (
-                <Cell key={speeds[place]} one={at} scale={scale} />
+                <CoefficientCell key={speeds[place]} one={at} scale={scale} />
               ))}
             </tr>
           ))}
@@ -99,15 +99,11 @@ function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; c
   );
 }
 
-function Cell({ one, scale }: { one: Bounded | undefined; scale: Scale }) {
+function CoefficientCell({ one, scale }: { one: Bounded | undefined; scale: Scale }) {
   if (!one || one.value === null) return <td class="number muted">{t("notEstimable")}</td>;
   return (
     <td class="number">
       {number(scaled(one.value, scale))} <small class="muted">{`${number(scaled(one.lower, scale))} … ${number(scaled(one.upper, scale))}`}</small>
     </td>
   );
-}
-
-function scaled(value: number | null | undefined, scale: Scale): number | null {
-  return value === null || value === undefined ? null : value * scale.factor;
 }

@@ -129,7 +129,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
         <table>
           <tbody>
             {estimates.map((one) => (
-              <Row key={one.parameter} one={one} />
+              <EstimateRow key={one.parameter} one={one} />
             ))}
           </tbody>
         </table>
@@ -138,7 +138,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
   );
 }
 
-function Row({ one }: { one: Estimate }) {
+function EstimateRow({ one }: { one: Estimate }) {
   const units = useUnits();
   if (one.value === null) {
     return (

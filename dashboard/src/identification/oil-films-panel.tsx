@@ -114,7 +114,7 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
       <div class="film">
         {film.radius !== null && (
           <ClearanceCircle
-            label={t("oilFilmDrawing", { bearing: film.bearing, values: rows.map(([name, one]) => `${name.toLowerCase()} ${spoken(one, units)}`).join("; ") })}
+            label={t("oilFilmDrawing", { bearing: film.bearing, values: rows.map(([name, one]) => `${name.toLowerCase()} ${boundsText(one, units)}`).join("; ") })}
             radius={film.radius}
             assembled={preload > 0 ? film.radius * (1 - preload) : undefined}
             position={positionOf(film)}
@@ -123,7 +123,7 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
         <table>
           <tbody>
             {rows.map(([name, one]) => (
-              <Row key={name} name={name} one={one} units={units} />
+              <FilmRow key={name} name={name} one={one} units={units} />
             ))}
           </tbody>
         </table>
@@ -153,7 +153,7 @@ function positionOf({ journalX, journalY }: OilFilm): { x: Coordinate; y: Coordi
   return x && y && { x, y };
 }
 
-function Row({ name, one, units }: { name: string; one: Bounded; units: ShownUnits }) {
+function FilmRow({ name, one, units }: { name: string; one: Bounded; units: ShownUnits }) {
   const text = textOf(one, units);
   return (
     <tr>
@@ -177,7 +177,7 @@ function textOf({ value, lower, upper, unit }: Bounded, units: ShownUnits): { va
   return { value: `${shown(value)} ${scale.unit}`.trim(), lower: shown(lower), upper: shown(upper) };
 }
 
-function spoken(one: Bounded, units: ShownUnits): string {
+function boundsText(one: Bounded, units: ShownUnits): string {
   const text = textOf(one, units);
   return text ? t("valueWithBounds", { value: text.value, lower: text.lower, upper: text.upper }) : t("notEstimable");
 }

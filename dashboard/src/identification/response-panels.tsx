@@ -25,11 +25,11 @@ export interface ResponseProps {
   slowRoll: string;
   /** The model and the slow roll are of the 1× alone. */
   order: 1 | 2;
-  /** Of the machine that the overlaid run is of, where it is another one. */
+  /** Name of the overlaid run's machine, where it is another one. */
   overlaid?: string | undefined;
 }
 
-/** As shown: values in the chosen units. */
+/** Properties with values in the chosen units. */
 interface ShownResponseProps extends ResponseProps {
   units: Units;
 }

@@ -49,7 +49,7 @@ export function AlertPage({ id }: { id: string }) {
             <AlertList result={{ ...result, data: [alert] }} machines opened none="" />
           </Panel>
           <Loaded result={machine} lines={20}>
-            {({ document }) => <Evidence alert={alert} machine={document} />}
+            {({ document }) => <AlertEvidence alert={alert} machine={document} />}
           </Loaded>
         </>
       )}
@@ -57,19 +57,19 @@ export function AlertPage({ id }: { id: string }) {
   );
 }
 
-function Evidence({ alert, machine }: { alert: Alert; machine: Document }) {
+function AlertEvidence({ alert, machine }: { alert: Alert; machine: Document }) {
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   const identified = useResource<Identification>(`/identifications/${alert.identification}`);
   // A later run that shows the alert as well takes nothing away that is being looked at.
   const shown = useLastComplete(alert.id, identified.data);
   return (
     <>
-      <MarkedTrain machine={machine} drawing={drawing.data} />
+      <TrainWithAlerts machine={machine} drawing={drawing.data} />
       <Loaded result={{ ...identified, data: shown }} lines={15}>
         {(found) => (
           <>
-            <Trends alert={alert} machine={machine} found={found} />
-            <Response alert={alert} machine={machine} drawing={drawing.data} found={found} />
+            <MovedTrends alert={alert} machine={machine} found={found} />
+            <ResponseBesideBaseline alert={alert} machine={machine} drawing={drawing.data} found={found} />
           </>
         )}
       </Loaded>
@@ -77,7 +77,7 @@ function Evidence({ alert, machine }: { alert: Alert; machine: Document }) {
   );
 }
 
-function MarkedTrain({ machine, drawing }: { machine: Document; drawing: Drawing | undefined }) {
+function TrainWithAlerts({ machine, drawing }: { machine: Document; drawing: Drawing | undefined }) {
   const alerts = useOpenAlerts(machine.id);
   const { deviations } = useDeviations(machine.id, useNewestSummary(machine.id));
   if (!drawing) return null;
@@ -94,7 +94,7 @@ function MarkedTrain({ machine, drawing }: { machine: Document; drawing: Drawing
 }
 
 /** The histories of the element's parameters that moved most; of all where the alert names none. */
-function Trends({ alert, machine, found }: { alert: Alert; machine: Document; found: Identification }) {
+function MovedTrends({ alert, machine, found }: { alert: Alert; machine: Document; found: Identification }) {
   const own = found.estimates.filter((one) => one.element === alert.element).map((one) => one.parameter);
   const moved = (alert.evidence.moved ?? []).map((one) => own.find((name) => one.parameter === name || one.parameter.startsWith(`${name}.`)));
   const named = [...new Set(moved.filter((one) => one !== undefined))];
@@ -106,7 +106,7 @@ function Trends({ alert, machine, found }: { alert: Alert; machine: Document; fo
 }
 
 /** The run that shows it, beside the first run of the baseline that it was compared with. */
-function Response({ alert, machine, drawing, found }: { alert: Alert; machine: Document; drawing: Drawing | undefined; found: Identification }) {
+function ResponseBesideBaseline({ alert, machine, drawing, found }: { alert: Alert; machine: Document; drawing: Drawing | undefined; found: Identification }) {
   const newest = useResource<Run>(found.runs[0] === undefined ? null : `/runs/${found.runs[0]}`);
   const run = useLastComplete(alert.id, newest.data);
   const compared = alert.evidence.baseline?.[0];

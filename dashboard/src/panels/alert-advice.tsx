@@ -7,26 +7,26 @@ export function AlertAdvice({ advice }: { advice: Advice }) {
   const opportunities = [...new Set(advice.actions.map((one) => one.opportunity))];
   return (
     <dl class="facts advice">
-      <Lines name={t("howFar")} lines={advice.how_far.map((one) => one.words)} />
-      <Lines name={t("howSure")} lines={[advice.how_sure.words]} />
-      <Lines name={t("howUrgent")} lines={[advice.how_urgent.words]} />
+      <AdviceLines name={t("howFar")} lines={advice.how_far.map((one) => one.words)} />
+      <AdviceLines name={t("howSure")} lines={[advice.how_sure.words]} />
+      <AdviceLines name={t("howUrgent")} lines={[advice.how_urgent.words]} />
       {opportunities.map((when) => (
-        <Lines key={when} name={t("doWhen", { when: term(when) })} lines={advice.actions.filter((one) => one.opportunity === when).map((one) => one.text)} />
+        <AdviceLines key={when} name={t("doWhen", { when: term(when) })} lines={advice.actions.filter((one) => one.opportunity === when).map((one) => one.text)} />
       ))}
-      <Lines name={t("check")} lines={advice.check} />
-      <Lines name={t("wouldConfirmIt")} lines={advice.confirm} />
-      <Lines name={t("notDeterminedHead")} lines={advice.not_determined} />
+      <AdviceLines name={t("check")} lines={advice.check} />
+      <AdviceLines name={t("wouldConfirmIt")} lines={advice.confirm} />
+      <AdviceLines name={t("notDeterminedHead")} lines={advice.not_determined} />
     </dl>
   );
 }
 
-function Lines({ name, lines }: { name: string; lines: string[] }): ComponentChildren {
-  const told = lines.filter(Boolean);
-  if (told.length === 0) return null;
+function AdviceLines({ name, lines }: { name: string; lines: string[] }): ComponentChildren {
+  const filled = lines.filter(Boolean);
+  if (filled.length === 0) return null;
   return (
     <>
       <dt>{name}</dt>
-      <dd>{told.length === 1 ? told[0] : <ul class="reasons">{told.map((one) => <li key={one}>{one}</li>)}</ul>}</dd>
+      <dd>{filled.length === 1 ? filled[0] : <ul class="reasons">{filled.map((one) => <li key={one}>{one}</li>)}</ul>}</dd>
     </>
   );
 }

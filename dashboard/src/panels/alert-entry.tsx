@@ -91,7 +91,7 @@ function EvidenceList({ evidence }: { evidence: Partial<Evidence> }) {
   );
 }
 
-/** Of each element what has moved most certainly: what it has moved by as a whole is said above. */
+/** The most certain moved parameter of each element; its movement as a whole is stated above. */
 function largestOfEach(moved: Evidence["moved"]): Evidence["moved"] {
   const largest = new Map<string, Evidence["moved"][number]>();
   for (const one of moved) {

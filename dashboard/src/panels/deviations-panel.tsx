@@ -37,7 +37,7 @@ export function DeviationsPanel({ machine, result, next, none }: Props) {
     <Panel title={TITLE} aside={result.data && <Compared found={result.data} />}>
       {next?.isLocal && <ErrorMessage failure={next} />}
       <Loaded result={result} lines={12}>
-        {(found) => (found.missing ? <Empty>{t("noChangeAgainstABaseline", { missing: stored(found.missing) })}</Empty> : <Table machine={machine.id} found={found} />)}
+        {(found) => (found.missing ? <Empty>{t("noChangeAgainstABaseline", { missing: stored(found.missing) })}</Empty> : <DeviationTable machine={machine.id} found={found} />)}
       </Loaded>
     </Panel>
   );
@@ -58,7 +58,7 @@ function Compared({ found }: { found: Deviations }) {
   );
 }
 
-function Table({ machine, found }: { machine: string; found: Deviations }) {
+function DeviationTable({ machine, found }: { machine: string; found: Deviations }) {
   const order = [...found.elements].sort((a, b) => a.probability - b.probability || b.distance - a.distance);
   return (
     <Scroll label={t("table")}>
@@ -75,7 +75,7 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
         </thead>
         <tbody>
           {order.map((one) => (
-            <Row key={one.element} machine={machine} found={found} one={one} />
+            <DeviationRow key={one.element} machine={machine} found={found} one={one} />
           ))}
         </tbody>
       </table>
@@ -83,7 +83,7 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
   );
 }
 
-function Row({ machine, found, one }: { machine: string; found: Deviations; one: Deviations["elements"][number] }) {
+function DeviationRow({ machine, found, one }: { machine: string; found: Deviations; one: Deviations["elements"][number] }) {
   const largest = largestDeviation(found, one.element);
   const together = togetherText(found, one.element, useUnits().length);
   return (

@@ -189,14 +189,14 @@ function Correction({ found, check, angles }: { found: ProposedCorrection; check
         </Scroll>
         <Channels found={found} check={check} />
       </div>
-      <Residuals found={found} check={check} />
+      <ResidualUnbalances found={found} check={check} />
     </>
   );
 }
 
 function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
   const { amplitude } = useUnits();
-  const told = (um: number | null | undefined) => (um === null || um === undefined ? "–" : `${number(um * amplitude.factor)} ${amplitude.label}`);
+  const amplitudeText = (um: number | null | undefined) => (um === null || um === undefined ? "–" : `${number(um * amplitude.factor)} ${amplitude.label}`);
   const measured = (channel: string) => check?.channels.find((one) => one.channel === channel);
   const others = check !== null && hasOtherWeights(check);
   return (
@@ -215,12 +215,12 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
           {found.channels.map((one) => (
             <tr key={one.channel}>
               <td>{one.channel}</td>
-              <td class="number">{told(one.before_um_pp)}</td>
-              <td class="number">{t("belowAmplitude", { upper: told(one.upper_um_pp) })}</td>
-              {others && <td class="number">{t("belowAmplitude", { upper: told(measured(one.channel)?.upper_um_pp) })}</td>}
+              <td class="number">{amplitudeText(one.before_um_pp)}</td>
+              <td class="number">{t("belowAmplitude", { upper: amplitudeText(one.upper_um_pp) })}</td>
+              {others && <td class="number">{t("belowAmplitude", { upper: amplitudeText(measured(one.channel)?.upper_um_pp) })}</td>}
               {check && (
                 <td class="number">
-                  {told(measured(one.channel)?.check_um_pp)}{measured(one.channel)?.kept === false && t(others ? "moreThanPredicted" : "moreThanPromised")}
+                  {amplitudeText(measured(one.channel)?.check_um_pp)}{measured(one.channel)?.kept === false && t(others ? "moreThanPredicted" : "moreThanPromised")}
                 </td>
               )}
             </tr>
@@ -229,14 +229,14 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
       </table>
       {found.limit_um_pp !== null && (
         <p>
-          {t("limitOfDocument", { limit: told(found.limit_um_pp), verdict: stored(found.limit_verdict ?? ""), check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
+          {t("limitOfDocument", { limit: amplitudeText(found.limit_um_pp), verdict: stored(found.limit_verdict ?? ""), check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
         </p>
       )}
     </Scroll>
   );
 }
 
-function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
+function ResidualUnbalances({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
   const speedText = useSpeedText();
   return (
     <Scroll label={t("table")}>

@@ -33,7 +33,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
         </thead>
         <tbody>
           {machines.map((one) => (
-            <Row key={one.id} one={one} />
+            <MachineRow key={one.id} one={one} />
           ))}
         </tbody>
       </table>
@@ -41,7 +41,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
   );
 }
 
-function Row({ one }: { one: FleetMachine }) {
+function MachineRow({ one }: { one: FleetMachine }) {
   const needed = needs(one, useUnits());
   return (
     <tr data-machine={one.id}>

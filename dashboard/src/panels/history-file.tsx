@@ -4,7 +4,7 @@ import { csvFile, download, localCsv } from "../browser/download";
 import { joinedCsv, type MachineFile } from "../data/machine-files";
 import { t } from "../messages/messages";
 
-/** As the API names it, in the form of the page's language; of two machines with a column that names them. */
+/** Button that saves histories as CSV in the form of the page's language; of two machines, with a column that names them. */
 export function HistoryFile({ files, element }: { files: MachineFile[]; element: string }) {
   const [failure, setFailure] = useState<string | null>(null);
   const name = `${files.map((one) => one.machine).join("-")}-${element}.csv`;

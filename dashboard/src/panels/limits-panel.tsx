@@ -29,7 +29,7 @@ export function LimitsPanel({ machine }: { machine: Document }) {
                 </>
               )}
             </p>
-            <Table limits={found.limits} onChange={setChanged} />
+            <LimitTable limits={found.limits} onChange={setChanged} />
             <ElementLimits limits={found.limits} />
             {changed && <LimitsDialog machine={machine.id} kind={changed} shown={found} onClose={() => setChanged(null)} />}
           </>
@@ -39,7 +39,7 @@ export function LimitsPanel({ machine }: { machine: Document }) {
   );
 }
 
-function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingKind) => void }) {
+function LimitTable({ limits, onChange }: { limits: Limits; onChange: (kind: FindingKind) => void }) {
   return (
     <Scroll label={t("table")}>
       <table class="limits">
@@ -63,7 +63,7 @@ function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingK
         </thead>
         <tbody>
           {FINDING_KINDS.map((kind) => (
-            <Row key={kind} kind={kind} rule={limits[kind]} onChange={() => onChange(kind)} />
+            <LimitRow key={kind} kind={kind} rule={limits[kind]} onChange={() => onChange(kind)} />
           ))}
         </tbody>
       </table>
@@ -71,7 +71,7 @@ function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingK
   );
 }
 
-function Row({ kind, rule, onChange }: { kind: FindingKind; rule: Rule; onChange: () => void }) {
+function LimitRow({ kind, rule, onChange }: { kind: FindingKind; rule: Rule; onChange: () => void }) {
   return (
     <tr data-rule={kind}>
       <th scope="row">{findingLabel(kind)}</th>

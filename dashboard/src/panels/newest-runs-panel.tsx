@@ -34,7 +34,7 @@ export function NewestRunsPanel({ machine }: { machine: string }) {
                 </thead>
                 <tbody>
                   {runs.map((run) => (
-                    <Row key={run.id} machine={machine} run={run} />
+                    <RunRow key={run.id} machine={machine} run={run} />
                   ))}
                 </tbody>
               </table>
@@ -46,7 +46,7 @@ export function NewestRunsPanel({ machine }: { machine: string }) {
   );
 }
 
-function Row({ machine, run }: { machine: string; run: Run }) {
+function RunRow({ machine, run }: { machine: string; run: Run }) {
   return (
     <tr>
       <td>

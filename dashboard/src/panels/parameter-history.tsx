@@ -3,7 +3,7 @@ import { navigate } from "../browser/router";
 import { useUnits } from "../browser/units";
 import { angleText } from "../format/angles";
 import { isCrossCoupled } from "../format/names";
-import { number, percent, scaleOf, type Scale } from "../format/numbers";
+import { number, percent, scaled, scaleOf, type Scale } from "../format/numbers";
 import { t, term } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { Band, Curve, Marker } from "../plots/plot-props";
@@ -15,7 +15,7 @@ import { atOnce, curveName, historyPoints, overAll, pointHead, seconds, type His
 interface Props {
   name: string;
   history: MachineHistory;
-  /** Of another machine, in the same plot. */
+  /** History of another machine, in the same plot. */
   beside: MachineHistory | undefined;
   kinds: string[];
   markers: Marker[];
@@ -90,10 +90,6 @@ function baselineBands(series: Series, scale: Scale): Band[] {
     from: Date.parse(one.since) / 1000,
     to: one.until === null ? null : Date.parse(one.until) / 1000,
   }));
-}
-
-function scaled(value: number | null | undefined, scale: Scale): number | null {
-  return value === null || value === undefined ? null : value * scale.factor;
 }
 
 /** The text that is read out at a point. */

@@ -28,7 +28,7 @@ export function SuppressionsPanel({ machine }: { machine: Document }) {
       }
     >
       <Loaded result={result} lines={4}>
-        {(all) => (all.length === 0 ? <Empty>{t("noAlertIsSuppressedOr")}</Empty> : <Table all={all} onEnd={setEnded} />)}
+        {(all) => (all.length === 0 ? <Empty>{t("noAlertIsSuppressedOr")}</Empty> : <SuppressionTable all={all} onEnd={setEnded} />)}
       </Loaded>
       {suppresses && <SuppressDialog machine={machine} onClose={() => setSuppresses(false)} />}
       {ended && <EndSuppressionDialog suppression={ended} onClose={() => setEnded(null)} />}
@@ -36,7 +36,7 @@ export function SuppressionsPanel({ machine }: { machine: Document }) {
   );
 }
 
-function Table({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) => void }) {
+function SuppressionTable({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) => void }) {
   return (
     <Scroll label={t("table")}>
       <table class="suppressions">

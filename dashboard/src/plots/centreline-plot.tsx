@@ -9,7 +9,7 @@ const SIZE = 260;
 const RADIUS = 104;
 /** Speeds written beside a line: its first, middle and last. */
 const LABELS = [0, 0.5, 1];
-/** From a line inwards to the words beside it, beyond what gaps scatter about it and clear of the circle. */
+/** Distance inwards from a line to its text: beyond the scatter of gaps, and clear of the circle. */
 const BESIDE = 11;
 
 export interface JournalLine {
@@ -42,7 +42,7 @@ export function CentrelinePlot({ bearing, clearance, unit, lines, speedUnit }: P
         <strong>{bearing}</strong> <span class="muted">{t("radialClearanceOf", { clearance: number(clearance), unit })}</span>
         <SaveDrawing label={label} columns={() => columnsOf(lines, unit, speedUnit)} />
       </figcaption>
-      <svg viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`} role="img" aria-label={`${label}: ${lines.map((one) => spoken(one, unit, speedUnit)).join("; ")}`}>
+      <svg viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`} role="img" aria-label={`${label}: ${lines.map((one) => pathText(one, unit, speedUnit)).join("; ")}`}>
         <path class="grid" d={`M${-RADIUS} 0H${RADIUS}M0 ${-RADIUS}V${RADIUS}`} />
         <text x={RADIUS + 5} y={3}>
           x
@@ -91,7 +91,7 @@ function Line({ line, scale }: { line: JournalLine; scale: number }) {
   );
 }
 
-function spoken(line: JournalLine, unit: string, speedUnit: string): string {
+function pathText(line: JournalLine, unit: string, speedUnit: string): string {
   const places = placesOf(line);
   const [first, last] = [places[0], places.at(-1)];
   if (!first || !last) return t("noPlaceKnown", { name: line.name });

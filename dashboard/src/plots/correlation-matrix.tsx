@@ -40,7 +40,7 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
         onPointerMove={onPointer}
         onPointerLeave={(event) => event.pointerType !== "touch" && setAt(null)}
       >
-        {found.correlation.flatMap((row, i) => row.map((value, j) => <Cell value={value} x={(j + 0.5) * CELL} y={(i + 0.5) * CELL} />))}
+        {found.correlation.flatMap((row, i) => row.map((value, j) => <CorrelationCell value={value} x={(j + 0.5) * CELL} y={(i + 0.5) * CELL} />))}
         {at && <rect class="chosen" x={at[1] * CELL} y={at[0] * CELL} width={CELL} height={CELL} />}
       </svg>
       <figcaption class="muted" aria-live="polite">
@@ -55,7 +55,7 @@ function columnsOf({ coordinates, correlation }: Correlation): DataColumn[] {
 }
 
 /** A square for a positive correlation, a diamond for a negative one. */
-function Cell({ value, x, y }: { value: number; x: number; y: number }) {
+function CorrelationCell({ value, x, y }: { value: number; x: number; y: number }) {
   const half = (CELL / 2) * Math.sqrt(Math.abs(value));
   if (half < SMALLEST) return null;
   if (value > 0) return <rect x={x - half} y={y - half} width={2 * half} height={2 * half} class="positive" />;

@@ -16,7 +16,7 @@ const SHORT_NAME = 5;
 const CORNER_NAME = 16;
 const BASE_WIDTH = 200;
 const BASE_HEIGHT = 70;
-/** From an amplitude, 0-to-peak, to peak-to-peak. */
+/** Factor from 0-to-peak to peak-to-peak. */
 const PEAK_TO_PEAK = 2;
 
 interface Props {
@@ -32,7 +32,7 @@ interface Props {
 export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) {
   const scale = (PEAK_TO_PEAK * RADIUS) / (2 * ring);
   const label = t("orbitAt", { channels: orbit.channels.join(t("and")) });
-  const told = (value: number, digits = 3) => number(PEAK_TO_PEAK * value * unit.factor, digits);
+  const lengthText = (value: number, digits = 3) => number(PEAK_TO_PEAK * value * unit.factor, digits);
   const [x, y] = motion(orbit, second);
   return (
     <figure>
@@ -43,12 +43,12 @@ export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) 
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE + BASE_HEIGHT}`}
         role="img"
-        aria-label={t("orbitLabel", { label, major: told(orbit.semi_major_um), minor: told(Math.abs(orbit.semi_minor_um)), unit: unit.label, sense: term(orbit.sense) })}
+        aria-label={t("orbitLabel", { label, major: lengthText(orbit.semi_major_um), minor: lengthText(Math.abs(orbit.semi_minor_um)), unit: unit.label, sense: term(orbit.sense) })}
       >
         <circle class="grid" r={RADIUS} />
         <circle class="grid" r={RADIUS / 2} />
         <path class="grid" d={`M${-RADIUS} 0H${RADIUS}M0 ${-RADIUS}V${RADIUS}`} />
-        <Probes orbit={orbit} />
+        <ProbeDirections orbit={orbit} />
         {overlay && (
           <g class="curve faint">
             <path d={orbitPath(motion(overlay, second), scale)} />
@@ -61,7 +61,7 @@ export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) 
         <Timebase orbit={orbit} second={second} scale={(BASE_HEIGHT / 2 - 8) / RADIUS * scale} />
       </svg>
       <p class="muted">
-        {t("orbitText", { major: told(orbit.semi_major_um), major_error: told(2 * orbit.semi_major_error_um, 2), minor: told(Math.abs(orbit.semi_minor_um)), minor_error: told(2 * orbit.semi_minor_error_um, 2), unit: unit.label, speed: speed(orbit.speed_rpm), second: second && !orbit.x_2x && t("no2IsSentHere"), overlay: overlay && t("overlaidAt", { speed: speed(overlay.speed_rpm) }) })}
+        {t("orbitText", { major: lengthText(orbit.semi_major_um), major_error: lengthText(2 * orbit.semi_major_error_um, 2), minor: lengthText(Math.abs(orbit.semi_minor_um)), minor_error: lengthText(2 * orbit.semi_minor_error_um, 2), unit: unit.label, speed: speed(orbit.speed_rpm), second: second && !orbit.x_2x && t("no2IsSentHere"), overlay: overlay && t("overlaidAt", { speed: speed(overlay.speed_rpm) }) })}
       </p>
     </figure>
   );
@@ -84,7 +84,7 @@ function orbitPath([x, y]: [number[], number[]], scale: number): string {
 }
 
 /** Each probe where it looks at the shaft from. */
-function Probes({ orbit }: { orbit: Orbit }) {
+function ProbeDirections({ orbit }: { orbit: Orbit }) {
   const areShort = orbit.channels.every((one) => one.length <= SHORT_NAME);
   return (
     <>

@@ -100,7 +100,7 @@ function titled(label: string, size: number, labelSize: number): uPlot.Axis {
 const FLAT = 1e-6;
 const MOST_DIGITS = 9;
 
-/** With as many digits as tell neighbours apart. */
+/** Labels with as many digits as distinguish neighbours. */
 function tickLabels(ticks: number[]): string[] {
   for (let digits = 4; digits < MOST_DIGITS; digits += 1) {
     const labels = ticks.map((tick) => tickLabel(tick, digits));

@@ -12,16 +12,16 @@ import { drawnCurve, labelledPoints, nearestPlace, nextPlace, type DrawnCurve, t
 
 const SIZE = 320;
 const RADIUS = 132;
-/** From a point to its speed. */
+/** Distance of a speed's text from its point. */
 const SPEED_APART = 7;
-/** Of the words of a speed; where less is left they stand inwards. */
+/** Width of a speed's text; where there is less room it stands inwards. */
 const SPEED_WIDTH = 28;
 
 interface Props {
   title: string;
   curves: PolarCurve[];
   unit: string;
-  /** Of the speeds beside the curves. */
+  /** Unit of the speeds beside the curves. */
   speedUnit?: string;
 }
 

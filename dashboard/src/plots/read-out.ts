@@ -35,11 +35,11 @@ export function withinTurn(value: number, turn: number): number {
 /** A plot's data as columns of a file: x, and every curve with its bounds. */
 export function dataColumns({ x, curves, time, xUnit, yUnit, turn }: PlotProps): DataColumn[] {
   const first = time ? { name: t("csvTime"), values: x.map((one) => new Date(one * 1000).toISOString()) } : { name: `x [${xUnit ?? ""}]`, values: x };
-  const told = (values: (number | null)[]) => (turn ? values.map((one) => (one === null ? null : withinTurn(one, turn))) : values);
+  const withoutTurns = (values: (number | null)[]) => (turn ? values.map((one) => (one === null ? null : withinTurn(one, turn))) : values);
   return [
     first,
     ...curves.flatMap(({ name, y, lower, upper }) => [
-      { name: `${name} [${yUnit}]`, values: told(y) },
+      { name: `${name} [${yUnit}]`, values: withoutTurns(y) },
       ...(lower && upper ? [{ name: t("lowerBound", { name, unit: yUnit }), values: lower }, { name: t("upperBound", { name, unit: yUnit }), values: upper }] : []),
     ]),
   ];

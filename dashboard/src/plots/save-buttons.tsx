@@ -4,12 +4,12 @@ import { cssColour } from "../browser/theme";
 import { t } from "../messages/messages";
 
 interface Props {
-  /** Of the plot; the files are named after it. */
+  /** Label of the plot, after which the files are named. */
   label: string;
   columns: () => DataColumn[];
 }
 
-/** Of a plot drawn on a canvas. */
+/** Buttons that save a plot drawn on a canvas. */
 export function SaveButtons({ label, columns, canvas }: Props & { canvas: () => HTMLCanvasElement | undefined }) {
   const save = () => {
     const found = canvas();
@@ -18,7 +18,7 @@ export function SaveButtons({ label, columns, canvas }: Props & { canvas: () => 
   return <Buttons label={label} columns={columns} kind="PNG" onSave={save} />;
 }
 
-/** Of a drawing, which is found beside them in its figure. */
+/** Buttons that save the drawing in the same figure. */
 export function SaveDrawing({ label, columns }: Props) {
   const save = (event: Event) => {
     const found = (event.currentTarget as HTMLElement).closest("figure")?.querySelector("svg");
@@ -31,7 +31,7 @@ export function SaveDrawing({ label, columns }: Props) {
   );
 }
 
-/** Of what is drawn with the page's own means: its picture is made when it is asked for. */
+/** Buttons that save what is drawn with elements of the page: the picture is made when it is asked for. */
 export function SavePicture({ label, columns, picture }: Props & { picture: () => string }) {
   return (
     <span class="saves screen">

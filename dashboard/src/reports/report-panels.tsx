@@ -92,13 +92,13 @@ export function AlertsOfPeriod({ result, alerts }: { result: QueryResult<Alert[]
   );
 }
 
-/** Of each alert that was open at the end: how far, how urgent, what to do. */
+/** Advice on each alert that was open at the end: how far, how urgent, what to do. */
 export function WhatToDo({ open }: { open: Alert[] }) {
-  const told = open.filter((one) => one.advice);
-  if (told.length === 0) return null;
+  const advised = open.filter((one) => one.advice);
+  if (advised.length === 0) return null;
   return (
     <Panel title={t("whatIsToBeDone")}>
-      {told.map((one) => (
+      {advised.map((one) => (
         <section key={one.id}>
           <h3>
             <Severity severity={one.severity} /> {alertTitle(one)}

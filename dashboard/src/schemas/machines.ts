@@ -11,7 +11,7 @@ export interface Document {
   operation?: { running_rpm?: number | null };
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
-  /** film: of a journal bearing whose coefficients follow from its oil film. */
+  /** film: the film from which a journal bearing's coefficients follow. */
   bearings: { id: string; film?: { profile?: string; preload?: number; oil: { supply?: string | null } } | null }[];
   seals?: { id: string }[];
   pedestals?: { id: string }[];
@@ -34,7 +34,7 @@ export interface MachineRevision {
 export interface Stability {
   machine: string;
   revision: number;
-  /** As those of the revision; none where it would run. */
+  /** Warnings like those of the revision; none for a machine that would run. */
   warnings: string[];
 }
 

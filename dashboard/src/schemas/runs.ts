@@ -37,7 +37,7 @@ export interface Orbit {
   shaft: string;
   station: number;
   channels: string[];
-  /** Of the probes, from +x towards +y [°]. */
+  /** Angles of the probes, from +x towards +y [°]. */
   angles_deg: number[];
   speed_rpm: number;
   x: AxisPhasor;

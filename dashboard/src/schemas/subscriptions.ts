@@ -13,7 +13,7 @@ export interface Subscription {
   created_at: string;
 }
 
-/** secret: of a webhook, shown once. */
+/** secret: secret of a webhook, shown once. */
 export interface NewSubscription extends Subscription {
   secret: string | null;
 }

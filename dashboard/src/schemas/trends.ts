@@ -8,7 +8,7 @@ export interface Series {
   value: (number | null)[];
   lower: (number | null)[];
   upper: (number | null)[];
-  /** Of a vector such as an unbalance. */
+  /** Parts of a vector such as an unbalance. */
   real?: (number | null)[] | null;
   imaginary?: (number | null)[] | null;
   angle_deg?: (number | null)[] | null;
@@ -56,7 +56,7 @@ export interface ElementSize {
   lower: number;
   upper: number;
   runs: number | null;
-  /** In the baseline; null where only the change is told. */
+  /** Value in the baseline; null where only the change is given. */
   before: number | null;
 }
 
@@ -86,7 +86,7 @@ export interface ControlChart {
   limit: number;
   passed: boolean;
   began: string | null;
-  /** From its first one on; null without a step. */
+  /** Number of runs since the step began; null without a step. */
   runs?: number | null;
 }
 

@@ -1,7 +1,7 @@
 // Vibration at the probes: newest values, and the trend at running speed.
 import type { Column } from "./columns";
 
-/** Of the 1×, peak-to-peak [µm]; null where the document gives none. */
+/** Severity zone of an overall level. */
 export type Zone = "A" | "B" | "C" | "D";
 
 /** Boundaries of severity zones of overall levels, peak-to-peak [µm], and where the document has them from. */
@@ -12,6 +12,7 @@ export interface SeverityZones {
   c_d_um_pp: number;
 }
 
+/** Limits of the 1×, peak-to-peak [µm]; null where the document gives none. */
 export interface VibrationLimits {
   balanced_um_pp: number | null;
   alert_um_pp: number | null;

@@ -4,7 +4,7 @@ import type { Drawing } from "../schemas/machines";
 export interface Position {
   element: string;
   at: number;
-  /** Of the shaft at that place, or of the body itself. */
+  /** Radius of the shaft at that place, or of the body itself. */
   radius: number;
 }
 

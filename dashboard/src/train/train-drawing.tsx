@@ -104,7 +104,7 @@ interface ElementProps {
   kind: string;
   marks: Map<string, Mark>;
   onChoose: (element: string) => void;
-  /** Of the name. */
+  /** Place of the name. */
   x: number;
   y: number;
   children: ComponentChildren;

@@ -5,7 +5,7 @@ import { cssColour } from "../browser/theme";
 export interface PictureBar {
   channel: string;
   level: string;
-  told: string;
+  reading: string;
   first: number | null;
   second: number | null;
   overall: number | null;
@@ -28,7 +28,7 @@ export function barsPicture(title: string, bars: PictureBar[], lines: PictureLin
   const height = ROW * (bars.length + 2);
   const bar = (part: number | null, top: number, thick: number, colour: string) =>
     part === null ? "" : `<rect x="${LEFT}" y="${top}" width="${(LENGTH * part).toFixed(1)}" height="${thick}" fill="${cssColour(colour)}"/>`;
-  const text = (x: number, y: number, said: string, colour = "text") => `<text x="${x}" y="${y}" fill="${cssColour(colour)}">${escaped(said)}</text>`;
+  const text = (x: number, y: number, content: string, colour = "text") => `<text x="${x}" y="${y}" fill="${cssColour(colour)}">${escaped(content)}</text>`;
   const rows = bars.map((one, at) => {
     const top = ROW * (at + 1) + 4;
     return [
@@ -36,7 +36,7 @@ export function barsPicture(title: string, bars: PictureBar[], lines: PictureLin
       bar(one.first, top, 9, FILLS[one.level] ?? "edge"),
       bar(one.second, top + 10, 4, "faint"),
       bar(one.overall, top + 15, 3, "text"),
-      text(LEFT + LENGTH + 12, top + 11, one.told),
+      text(LEFT + LENGTH + 12, top + 11, one.reading),
     ].join("");
   });
   const across = lines.map(({ at, kind }) => {

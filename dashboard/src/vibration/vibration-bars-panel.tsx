@@ -78,7 +78,7 @@ function largestGap({ probes }: Vibration): number {
 interface BarProps {
   probe: ProbeVibration;
   limits: VibrationLimits;
-  /** Of the longest bar [µm pp], and of that of a gap [µm]. */
+  /** Values of the longest bar [µm pp] and of the longest bar of a gap [µm]. */
   full: number;
   fullGap: number;
   unit: Unit;
@@ -111,11 +111,11 @@ function Bar({ probe, limits, full, fullGap, unit }: BarProps) {
 }
 
 function probeText({ time, first, second, overall_um_pp: overall, zone }: ProbeVibration, unit: Unit): string {
-  const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
+  const amplitudeText = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
   const parts = [
-    first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t(time === null ? "nothingMeasuredYet" : "noGoodValue"),
-    ...(second ? [`2× ${told(second.amplitude_um_pp)}`] : []),
-    ...(overall === null ? [] : [t("overallText", { amplitude: told(overall) })]),
+    first ? t("firstOrderText", { amplitude: amplitudeText(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t(time === null ? "nothingMeasuredYet" : "noGoodValue"),
+    ...(second ? [`2× ${amplitudeText(second.amplitude_um_pp)}`] : []),
+    ...(overall === null ? [] : [t("overallText", { amplitude: amplitudeText(overall) })]),
   ];
   return parts.join("; ") + (zone ? t("inZone", { zone }) : "");
 }
@@ -126,7 +126,7 @@ function pictureOf(found: Vibration, time: string, unit: Unit): string {
   const bars = found.probes.map((one) => ({
     channel: one.channel,
     level: vibrationLevel(one.first?.amplitude_um_pp, found.limits),
-    told: probeText(one, unit),
+    reading: probeText(one, unit),
     first: part(one.first?.amplitude_um_pp),
     second: part(one.second?.amplitude_um_pp),
     overall: part(one.overall_um_pp),

@@ -25,7 +25,7 @@ const POLL_MS = 30_000;
 interface Props {
   machine: Document;
   channels: string[];
-  /** Of the runs that are shown; null: of the newest. */
+  /** Kind of the runs that are shown; null for that of the newest. */
   kind: string | null;
   from: string | null;
   to: string | null;
@@ -137,8 +137,8 @@ function Trend({ what, probes, unit, column, limits, turn }: TrendProps) {
       </figure>
     );
   }
-  const told = (value: number | null) => (value === null ? "–" : turn ? String(Math.round(withinTurn(value, turn)) % turn) : number(value));
-  const readOut = (at: number) => `${when(probes[0]!.measured_at[at]!)}: ${curves.map(({ name, y }) => `${name} ${told(y[at] ?? null)}`).join(", ")} ${unit}`;
+  const valueText = (value: number | null) => (value === null ? "–" : turn ? String(Math.round(withinTurn(value, turn)) % turn) : number(value));
+  const readOut = (at: number) => `${when(probes[0]!.measured_at[at]!)}: ${curves.map(({ name, y }) => `${name} ${valueText(y[at] ?? null)}`).join(", ")} ${unit}`;
   return (
     <figure>
       <figcaption>
@@ -180,7 +180,7 @@ function vectorCurves(probe: ProbeTrend, style: number, unit: Unit): PolarCurve[
   return [points, arrow];
 }
 
-/** Of the runs that have a vector at this probe: of one without, nothing is said. */
+/** Text on the runs that have a vector at this probe; others are left out. */
 function regionText({ within, regions }: ProbeTrend): string {
   if (regions.length === 0) return t("noRegionYetTheBaseline");
   const known = within.filter((one) => one !== null);

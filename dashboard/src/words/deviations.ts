@@ -7,9 +7,9 @@ import type { Deviations, ElementSize, ParameterDeviation } from "../schemas/tre
 /** Elements less probable than this in the baseline state have changed. */
 export const CHANGED = 1e-3;
 
-/** Beyond this nobody doubts it. */
+/** Probability below which a change is certain. */
 const CERTAIN = 1e-6;
-/** Chance makes as much now and then. */
+/** Probability below which a deviation is more than chance makes now and then. */
 const PERHAPS = 0.05;
 
 /** Whether an element has changed, by the probability of its deviation without any change. */
@@ -53,8 +53,8 @@ export function togetherText(deviations: Deviations, element: string, length: Sh
 function sizeText({ name, unit, value, lower, upper, runs }: ElementSize, length: ShownUnit): string {
   const { factor, label } = unit === "um" ? length : unit === "urad" ? MILLIRADIANS : { factor: 1, label: SIZE_UNITS[unit] ?? unit };
   const signed = (one: number) => `${one > 0 ? "+" : ""}${number(one * factor, 2)}`;
-  const told = t("sizeWithInterval", { value: signed(value), unit: label, lower: signed(lower), upper: signed(upper) });
-  const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: told }) : `${parameterName(name)} ${told}`;
+  const interval = t("sizeWithInterval", { value: signed(value), unit: label, lower: signed(lower), upper: signed(upper) });
+  const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: interval }) : `${parameterName(name)} ${interval}`;
   return runs !== null && runs > 1 ? t("meanOfNewestRuns", { size, runs }) : size;
 }
 

@@ -10,7 +10,7 @@ export type Bounded = Pick<Derived, "unit" | "value" | "lower" | "upper" | "reas
 export interface FilmCoefficient {
   /** `kxx` */
   term: string;
-  /** At each of the film's speeds. */
+  /** Coefficient at each of the film's speeds. */
   at: (Bounded | undefined)[];
 }
 
@@ -25,7 +25,7 @@ export interface OilFilm {
   eccentricity: Bounded | undefined;
   loadVertical: Bounded | undefined;
   loadHorizontal: Bounded | undefined;
-  /** Of its own oil, where that is estimated. */
+  /** Viscosity of its own oil, where that is estimated. */
   viscosity: Bounded | undefined;
   /** How far the viscosity of the supply that its oil comes from is off, where that is estimated. */
   supply: { name: string; factor: Bounded } | undefined;

@@ -47,7 +47,7 @@ const UNITS: [number, string][] = [
   [1e6, t("microseconds")],
 ];
 
-/** One for each reason, the most frequent first. */
+/** One text for each reason, the most frequent first. */
 export function refusals(entries: QuarantineEntry[]): Refusal[] {
   const found = new Map<string, Refusal>();
   for (const { reason, detail, received_at: at } of entries) {

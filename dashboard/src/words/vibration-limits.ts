@@ -11,8 +11,8 @@ export function zoneBoundaries(zones: SeverityZones | null): [string, number][] 
 /** The zones and their source; empty without any. */
 export function zonesText(zones: SeverityZones | null, unit: { label: string; factor: number }): string {
   if (!zones) return "";
-  const told = zoneBoundaries(zones).map(([name, value]) => `${name} ${number(value * unit.factor)}`);
-  return t("severityZones", { source: zones.source, boundaries: told.join(", "), unit: unit.label });
+  const limits = zoneBoundaries(zones).map(([name, value]) => `${name} ${number(value * unit.factor)}`);
+  return t("severityZones", { source: zones.source, boundaries: limits.join(", "), unit: unit.label });
 }
 
 export type VibrationLevel = "danger" | "alert" | "normal" | "unknown";

@@ -85,7 +85,7 @@ class ChannelGaps(Struct, frozen=True, eq=False):
         return int(self.samples.size) - 1
 
     def whitened(self, values: Floats) -> Floats:
-        """Return values whose errors are those of the gaps as values with independent errors of unit size.
+        """Return values at the gaps' samples whitened: their errors become independent, of unit size.
 
         Args:
             values: Values at all samples of the fit (S, ...) [m].

@@ -51,7 +51,7 @@ class CalibrationConflict(Struct, frozen=True):
 
     @property
     def chain_changed(self) -> bool:
-        """Return whether a chain has changed by more than intervals shall cover, and chance hardly explains it."""
+        """Return whether a chain has changed by more than its interval has to cover, and by more than chance explains."""
         return self.chain is not None and self.chain.chance < SMALLEST_CHANCE and self.chain.change > LEAST_CHANGE
 
     @property

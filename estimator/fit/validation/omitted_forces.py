@@ -95,7 +95,7 @@ def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats
 
 
 def largest_score(chance: float, count: int) -> float:
-    """Return the size that the largest of some scores exceeds by a chance at most (Bonferroni's inequality).
+    """Return the limit that the largest of some scores exceeds with a given probability at most.
 
     Source: Bonferroni's inequality; score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50,
     doi:10.1017/S0305004100023987.

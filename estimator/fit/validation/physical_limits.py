@@ -60,7 +60,7 @@ LARGEST_DAMPING = 1e6
 SMALLEST_GAIN = 1e-4
 """Part of the decrease that a step promises from which on it is taken [-]."""
 ACTIVE_SET_PASSES = 6
-"""Most times the modes that a step brings to the margin are found anew."""
+"""Largest number of times that the modes near the margin are determined again after a step."""
 PRIOR_FACTORS = tuple(1.4**power for power in range(1, 9))
 """Factors by which the prior's spread is made smaller, one after the other, to draw what the data leave open [-]."""
 DRAWN_STEP_COUNT = 8
@@ -402,7 +402,7 @@ class _Search:
         return kept
 
     def nearer_to_document(self, theta: Floats) -> Floats:
-        """Return θ (n,) with what the data leave open drawn to the document's values until no mode grows."""
+        """Return θ (n,) in which coordinates that the data leave open approach the document's values until no mode grows."""
         coordinates = self.problem.coordinates
         for factor in PRIOR_FACTORS:
             held = replace(self.problem, coordinates=_drawn(coordinates, factor))

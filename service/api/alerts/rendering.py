@@ -33,7 +33,7 @@ def alert_json(row: ListedAlert, texts: SiteTexts) -> dict[str, Any]:
     return _fields(row, advice, texts) | {"advice": None if advice is None else advice.model_dump()}
 
 
-class WordedAlerts:
+class RenderedAlertCache:
     """Alerts in JSON as lists have them, in each language that was asked for: wording them takes longer than reading them.
 
     An alert is worded again when anything in its row has changed.

@@ -172,8 +172,8 @@ def _texts(request: Request) -> SiteTexts:
     return cast(SiteTexts, request.app.state.texts).in_language(reader_language(request))
 
 
-def _worded(request: Request) -> rendering.WordedAlerts:
-    return cast(rendering.WordedAlerts, request.app.state.worded_alerts)
+def _worded(request: Request) -> rendering.RenderedAlertCache:
+    return cast(rendering.RenderedAlertCache, request.app.state.worded_alerts)
 
 
 def _place(row: ListedAlert) -> Keys:

@@ -31,7 +31,7 @@ router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RE
 
 
 class ReportsNotSent(Invalid):
-    """Raised when a subscription of a kind that carries no reports is to get some."""
+    """Raised when reports are requested of a subscription whose kind cannot carry any."""
 
 
 @router.get("", operation_id="list_subscriptions")

@@ -70,7 +70,7 @@ def _request_key(scope: Scope) -> RequestKey:
 
 
 class ResponseCacheMiddleware:
-    """ASGI middleware behind the guard that answers from the cache. Where requests are traced, each goes its whole way."""
+    """ASGI middleware behind the guard that answers from the cache; while requests are traced, all go on to the routes."""
 
     def __init__(self, app: ASGIApp, cached: Callable[[Scope], Response | None]) -> None:
         """Set up. cached: returns the cached and current response to a request, if there is one."""

@@ -21,7 +21,7 @@ from starlette.types import Scope
 
 from service.api.cache.known_requests import CachedRequest, KnownRequests, ResponseKey
 from service.api.conventions.dependencies import principal
-from service.api.conventions.request_places import NobodyWaits, RequestPlaces
+from service.api.conventions.request_places import ClientDisconnected, RequestPlaces
 from service.http.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
 from storage.database.change_counts import Changes
 from storage.database.engine import Database
@@ -148,12 +148,12 @@ class ResponseCache:
     async def _compute_in_turn(
         self, waiting: _Waiting, of: _Origin, make: Callable[[], Response], *, zipped: bool
     ) -> _CachedResponse:
-        """Compute a response when its turn comes. Raises NobodyWaits."""
+        """Compute a response when its turn comes. Raises ClientDisconnected."""
         waits = not waiting.turn.done()
         who = await self._places.its_turn(waiting.turn)
         try:
             if waits and await waiting.is_for_nobody():
-                raise NobodyWaits
+                raise ClientDisconnected
             if self._threads is None:
                 self._threads = CapacityLimiter(THREADS)
             mark, lately = of

@@ -63,7 +63,7 @@ class HeldPlaces:
 
 
 async def wait_for_turn(request: Request) -> None:
-    """Wait for a place if the request changes something, when all of it has come; it is held until the answer is sent."""
+    """Wait for a place if a request, all of which has arrived, changes something; hold the place until the answer is sent."""
     endpoint = request.scope["endpoint"]
     # An asynchronous one takes no thread while it waits.
     if request.method in READING or inspect.iscoroutinefunction(endpoint) or endpoint in _in_turns_of_their_own:

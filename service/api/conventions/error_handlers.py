@@ -26,13 +26,30 @@ UNREADABLE = "There was an error parsing the body"
 
 
 def add_handlers(app: FastAPI, listed: Mapping[str, str]) -> None:
-    """Register handlers that answer every error with a problem detail. listed: hints by the subject of what is missing."""
+    """Register handlers that answer every error with a problem detail. listed: hints by the subject of what is missing.
+
+    Raises LookupError when an error of missing objects has no subject, or its subject no hint.
+    """
+    require_every_hint(listed)
     app.state.listed = listed
     app.exception_handler(DomainError)(_domain_error)
     app.exception_handler(RequestValidationError)(_wrong_request)
     app.exception_handler(StarletteHTTPException)(_http_error)
     app.exception_handler(DBAPIError)(_database_error)
     app.exception_handler(Exception)(_unexpected)
+
+
+def require_every_hint(listed: Mapping[str, str]) -> None:
+    """Raise LookupError when an error of missing objects has no subject, or its subject no hint: the service must not start.
+
+    An error that is given its subject when it is raised has one of the subjects of ROWS.
+    """
+    for kind in Missing.__subclasses__():
+        subject = vars(kind).get("subject")
+        if subject is None and "__init__" not in vars(kind):
+            raise LookupError(f"{kind.__module__}.{kind.__name__} needs a subject: the word for what is missing")
+        if subject is not None and subject not in listed:
+            raise LookupError(f"LISTED of service/api/application.py lacks '{subject}' of {kind.__name__}")
 
 
 async def _domain_error(request: Request, error: DomainError) -> JSONResponse:

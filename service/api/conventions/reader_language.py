@@ -15,7 +15,7 @@ def reader_language(request: Request) -> Language:
 
 
 def vary_by_language(request: Request, response: Response) -> None:
-    """Say which language an answer is in, and that others get another (RFC 9110 §8.5, §12.5.5)."""
+    """Set the answer's language, and that it varies with the request's Accept-Language (RFC 9110 §8.5, §12.5.5)."""
     response.headers["Content-Language"] = reader_language(request).code
     response.headers["Vary"] = "Accept-Language"
 

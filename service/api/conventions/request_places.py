@@ -19,7 +19,7 @@ WRITERS = 4
 """Requests that change something at a time: the store makes one change at a time, and threads are left for those that read."""
 
 
-class NobodyWaits(Unavailable):
+class ClientDisconnected(Unavailable):
     """The client has gone before its request began to be handled."""
 
     def __init__(self) -> None:
@@ -40,14 +40,14 @@ class RequestPlaces:
     async def place(self, who: str, *, has_gone: Callable[[], Awaitable[bool]]) -> AsyncIterator[None]:
         """Hold a place, after waiting for it. who: whose request it is; has_gone: whether its client has gone.
 
-        Raises NobodyWaits: whoever asks and hangs up again and again would have the service work for nobody.
+        Raises ClientDisconnected: whoever asks and hangs up again and again would have the service work for nobody.
         """
         turn = self.turn(who)
         waits = not turn.done()
         await self.its_turn(turn)
         try:
             if waits and await has_gone():
-                raise NobodyWaits
+                raise ClientDisconnected
             yield
         finally:
             self.release(who)

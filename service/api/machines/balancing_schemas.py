@@ -67,7 +67,7 @@ def _listed(value: object) -> object:
 
 
 def _loaded(value: object) -> object:
-    """Return what stands for a list of weights that holds one. Raises ValueError for what is none."""
+    """Return the value if it is a list with at least one weight. Raises ValueError otherwise."""
     if not isinstance(value, list) or not value:
         raise ValueError(
             f"a trial run needs the weights that were on, a list such as {EXAMPLE}; a run without any is an initial one"

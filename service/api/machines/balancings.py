@@ -52,7 +52,7 @@ class TooManyTrials(Conflict):
     """Raised for a trial run beyond as many as a balancing may have."""
 
 
-class CorrectionStands(Conflict):
+class CorrectionInUse(Conflict):
     """Raised when a trial is to be withdrawn from which a correction was computed that is not given up with it."""
 
 
@@ -204,12 +204,12 @@ def check_correction(
 
 
 def _require_given_up(row: BalancingRow, body: schemas.WithdrawalIn) -> None:
-    """Raise CorrectionStands where a correction was computed from the trials and is not given up."""
+    """Raise CorrectionInUse where a correction was computed from the trials and is not given up."""
     correction, check = row.steps["correction"], row.steps["check"]
     if correction is None or body.with_correction:
         return
     checked = "" if check is None else f", and run {check['run']} has checked it"
-    raise CorrectionStands(
+    raise CorrectionInUse(
         f"masses were proposed by {correction['by']} from the trials with run {body.run}{checked}: withdraw it with "
         "`with_correction: true`, which gives these up, and compute the correction anew"
     )

@@ -47,7 +47,7 @@ class NotConfirmed(Unavailable):
     retry_after_s = RETRY_AFTER_S
 
 
-class NothingTaken(Invalid):
+class BatchRejected(Invalid):
     """Raised when every sample of a batch was refused. `faults`: why; `ignored`: fields of it that there are not."""
 
     def __init__(self, faults: Sequence[Fault], ignored: Sequence[str] = ()) -> None:
@@ -113,7 +113,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
     except TimeoutError:
         raise NotConfirmed(f"not known to be durable after {PATIENCE_S:.0f} s; send it again") from None
     if outcome.faults and outcome.received == outcome.duplicates == 0:
-        raise NothingTaken(outcome.faults, await asyncio.to_thread(unknown_fields, body, encoding))
+        raise BatchRejected(outcome.faults, await asyncio.to_thread(unknown_fields, body, encoding))
     return schemas.Submitted(
         received=outcome.received,
         duplicates=outcome.duplicates,

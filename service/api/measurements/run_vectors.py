@@ -57,8 +57,8 @@ class RunVectors:
     gap: Floats
 
 
-class KeptVectors:
-    """Vectors of runs, by channel."""
+class RunVectorCache:
+    """Cache of the vectors of runs, by channel."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[RunVectorsKey, Kept | None] = OrderedDict()

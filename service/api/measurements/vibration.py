@@ -17,7 +17,7 @@ from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import MICROMETRES
 from service.api.measurements import vibration_schemas as schemas
 from service.api.measurements.corrections import SlowRollQuery, chosen
-from service.api.measurements.run_vectors import KeptVectors, RunVectors
+from service.api.measurements.run_vectors import RunVectorCache, RunVectors
 from service.security.requirement import VIEWER
 from storage.clock import to_datetime
 from storage.encoding.sample_blocks import Samples
@@ -139,7 +139,7 @@ def read_vibration_trend(
     if named is None and not rows:
         return schemas.VibrationTrend(machine=machine_id, running_rpm=None, limits=_limits(machine), probes=[])
     speed = speed_of_trend(np.array([row.speed_maximum for row in rows])) if named is None else rpm_to_rad_per_s(named)
-    kept: KeptVectors = request.app.state.run_vectors
+    kept: RunVectorCache = request.app.state.run_vectors
     found = kept.of_runs(session, machine, rows, running_speed=speed)
     begun = baselines.in_force(session, machine_id, at=runs.LAST_TIME)
     since = 0 if begun is None else begun.since

@@ -89,7 +89,7 @@ async def _health(request: Request) -> schemas.Health:
 
 
 def _without_folder(whole: schemas.Health, kept: Database) -> schemas.Health:
-    """Return a report for whoever does not administer the service: what ails it, and not where its files lie."""
+    """Return the report for callers who do not administer the service: its faults, without the places of its files."""
     parts = {name: without_folder(kept.engine, state) for name, state in whole.parts.items()}
     return whole.model_copy(update={"parts": parts, "warnings": [without_folder(kept.engine, one) for one in whole.warnings]})
 

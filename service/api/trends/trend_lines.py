@@ -42,7 +42,7 @@ def filed_lines(rows: Mapping[int, IdentificationRow], values: Iterable[Row[Any]
 
 
 def magnitude(value: float | None, imaginary: float | None) -> float | None:
-    """Return a value, of an unbalance its magnitude."""
+    """Return a value; for an unbalance, which is complex, its magnitude."""
     return value if value is None or imaginary is None else math.hypot(value, imaginary)
 
 

@@ -31,7 +31,7 @@ def has_films(machine: Machine) -> bool:
 
 @dataclass(frozen=True)
 class JournalState:
-    """State of one journal in its bearing, in SI units; of a bearing that is no film, what is of films is None.
+    """State of one journal in its bearing, in SI units; the fields of films are None in a bearing without a film.
 
     Attributes:
         bearing: Id of its bearing.

@@ -29,7 +29,7 @@ OWN_PART = 0.05 * np.sqrt(0.6)
 
 
 def drawn_variation(rng: np.random.Generator, coordinates: Coordinates) -> Floats:
-    """By how much one run's coordinates differ from the machine's, by their names."""
+    """Draw the deviations of one run's coordinates from the machine's, by name."""
     warmer = VARIATION.oil * rng.standard_normal()
     found = np.zeros(coordinates.size)
     for place, name in enumerate(coordinates.names):
@@ -69,7 +69,7 @@ these, so that what the season brings counts."""
 
 
 def drawn_season(rng: np.random.Generator, thicker: float) -> Floats:
-    """By how much coordinates differ in a season whose oil has a viscosity with another logarithm."""
+    """Draw the deviations of coordinates in a season whose oil has a viscosity with another logarithm."""
     part = abs(thicker) / SEASONS.slow_oil
     own = {"viscosity": SEASONS.slow_viscosity, "clearance": SEASONS.slow_clearance}
     quantities = [describe(name).quantity for name in COORDINATES.names]
@@ -108,7 +108,7 @@ def trial(seed: int, *, worn: float = 0.0, named: bool = False, thicker: float |
     return np.array(true), np.array([[one.value, one.error] for one in told]), np.array([one.error for one in alone])
 
 
-def test_changes_err_by_what_is_told() -> None:
+def test_changes_err_by_what_is_reported() -> None:
     trials = [trial(seed) for seed in range(TRIALS)]
     z = np.array([(told[:, 0] - true) / told[:, 1] for true, told, _ in trials])
     assert 0.85 < np.sqrt(np.mean(z**2)) < 1.15
@@ -116,7 +116,7 @@ def test_changes_err_by_what_is_told() -> None:
 
 
 @pytest.mark.parametrize("thicker", [0.0, 0.3, -0.9])
-def test_in_any_season_changes_err_by_what_is_told(thicker: float) -> None:
+def test_in_any_season_changes_err_by_what_is_reported(thicker: float) -> None:
     """In the baseline's, in another, and with an oil of less than half the viscosity that nobody has named."""
     trials = [trial(seed, thicker=thicker) for seed in range(TRIALS)]
     z = np.array([(told[:, 0] - true) / told[:, 1] for true, told, _ in trials])
@@ -136,7 +136,7 @@ def test_a_run_of_the_baselines_oil_is_known_better_than_one_of_another_season()
     assert all(one.error > 1.005 * less.error for one, less in zip(far, near, strict=True))
 
 
-def test_beside_a_worn_bearing_that_is_named_changes_err_by_what_is_told() -> None:
+def test_beside_a_worn_bearing_that_is_named_changes_err_by_what_is_reported() -> None:
     def rms(*, named: bool) -> float:
         trials = [trial(seed, worn=0.3, named=named) for seed in range(TRIALS)]
         return float(np.sqrt(np.mean([((told[:, 0] - true) / told[:, 1]) ** 2 for true, told, _ in trials])))

@@ -14,7 +14,7 @@ COUPLINGS = CompliantCouplings((1,), np.array([UNIT]), np.array([USUAL]))
 
 
 @pytest.mark.parametrize("stiffness", [USUAL - 7.0, USUAL - 3.0, USUAL + 3.0, USUAL + 7.0])
-def test_what_is_linear_in_a_compliance_is_told_alike_however_far_off_the_fit_ended(stiffness: float) -> None:
+def test_what_is_linear_in_a_compliance_is_reported_alike_however_far_off_the_fit_ended(stiffness: float) -> None:
     """Two numbers are measured, each the sum of an offset and of what a coupling gives way by."""
     measured = np.array([[1.0, 3.0], [2.0, -1.0]])
     end = math.copysign(NEAR, stiffness - USUAL)

@@ -42,7 +42,7 @@ def test_least_largest_vibration_is_below_that_of_the_published_correction(name:
         assert abs(found[0]) == pytest.approx(3.402, rel=1e-6), "that limit holds"
 
 
-def test_planes_of_darlows_second_case_are_told_inseparable_in_words() -> None:
+def test_planes_of_darlows_second_case_are_called_inseparable_in_words() -> None:
     found = separate_planes(printed_influence(CASES["darlow-1982-2"]))
     assert found.planes == ("P1", "P3")
     assert found.left_out == ("P2",)

@@ -14,7 +14,7 @@ from estimator.machine.document import parse_machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.coefficient_models import expects_a_law
 from tests.estimator.trains import chapter_3_document
-from tests.paths import ROOT
+from tests.paths import PACKAGES, ROOT
 
 EXAMPLES: dict[str, dict[str, Any]] = {
     "piecewise": {"knots_rpm": [500, 1500, 3000]},
@@ -119,7 +119,7 @@ def test_only_one_place_asks_for_the_class_of_a_form() -> None:
     names = {form.__name__ for form in FORMS}
     found = {
         path.relative_to(ROOT).as_posix()
-        for package in ("estimator", "storage", "formats", "service")
+        for package in PACKAGES
         for path in (ROOT / package).rglob("*.py")
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"

@@ -72,7 +72,7 @@ def phasors(machine: Machine, truth: TrueFactor, direction: int = 1, speed: Floa
 
 
 def at_knots(machine: Machine, truth: TrueFactor, names: list[str] | None = None) -> dict[str, complex]:
-    """True values by the estimates' names: of B2 at the knots, of everything else the nominal ones."""
+    """Return true values by the estimates' names: at the knots for B2, nominal ones for everything else."""
     values = true_values(machine)
     found: dict[str, complex] = {}
     for name, value in values.items():

@@ -18,7 +18,7 @@ def calibrated(mountings: int) -> Calibrated:
 
 
 def widening(found: Calibrated) -> float:
-    """By how much the document's mountings scatter more than the runs showed."""
+    """Return the scatter of mountings in the document over that which the runs showed."""
     calibration = found.machine.calibration
     assert calibration is not None
     probes = [one.rms for one in calibration.mounting if one.name.endswith("run_out")]

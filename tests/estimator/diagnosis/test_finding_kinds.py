@@ -33,6 +33,8 @@ def test_changes_without_a_size_are_refused() -> None:
 def test_a_finding_lies_somewhere() -> None:
     with pytest.raises(ValueError, match="names no kinds of elements"):
         FindingKind("rub", (), "data", data_fault=lost_channels)
+    with pytest.raises(ValueError, match="'rub' names shafft, which is no kind of element"):
+        FindingKind("rub", ("shafft",), "data", data_fault=lost_channels)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"'unbalance' is declared for disc, not for 'bearing.B1'"):
         finding_kind("unbalance").require_element("bearing.B1")
 

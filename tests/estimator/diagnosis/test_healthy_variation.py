@@ -27,7 +27,7 @@ def grown(part: float, elements: set[str], what: str) -> Floats:
 
 
 def distance(change: Floats) -> float:
-    """In standard deviations; infinite for what cannot happen."""
+    """Return the distance in standard deviations; infinite for what cannot happen."""
     covariance = slow_variation(KNOWN, NAMES, TYPICAL)
     size = np.array([1.0 if one.direct else one.scale for one in KNOWN.coefficients])
     scaled, covariance = change / size, covariance / np.outer(size, size)

@@ -25,7 +25,7 @@ def sealed_pump(*rules: dict[str, object], **changes: object) -> Machine:
 
 
 def considered(machine: Machine) -> dict[tuple[str, str], Hypothesis]:
-    """By kind and element; every one of them must be able to change something."""
+    """Return the hypotheses by kind and element; require that each can change something."""
     train = condense(machine, speed=np.array([50.0, 200.0]), direction=np.ones(2))
     coordinates = Coordinates.of(train, unbalance_scale=1e-4)
     typical = coordinates.point(np.full(coordinates.size, 0.1))

@@ -135,7 +135,7 @@ def scaled_run(power: float) -> Observation:
 
 
 @pytest.mark.parametrize("power", [4.0, -8.0, 0.8])
-def test_a_force_that_follows_the_power_is_told_at_the_power_that_the_document_states(power: float) -> None:
+def test_a_force_that_follows_the_power_is_reported_at_the_power_that_the_document_states(power: float) -> None:
     stated, scaled = scaled_run(8.0), scaled_run(power)
     place = stated.names.index(FORCE_Y)
     assert scaled.reference[place] == pytest.approx(-500.0)

@@ -133,7 +133,7 @@ def test_sizes_are_those_that_were_put_in() -> None:
     assert abs(parts["largest_um"] - 2.0) < 0.3
 
 
-def test_the_form_of_a_misalignment_is_told_only_where_the_data_tell_it() -> None:
+def test_the_form_of_a_misalignment_is_reported_only_where_the_data_tell_it() -> None:
     (cause,) = plant.watch().found(plant.after(plant.misaligned(0.2), count=3), on_delay=plant.delay(2)).causes
     assert change_form(cause) in (None, "combined")
     names = ("coupling.C1.kxx", "coupling.C1.kyy", "coupling.C1.k_phix", "coupling.C1.k_phiy")

@@ -93,7 +93,7 @@ def assert_same_estimates(found: Identification, expected: Identification, *, wi
 
 @pytest.fixture(scope="module")
 def reference() -> Identification:
-    """From the true nominal values, noise seed 0."""
+    """The identification from the true nominal values, noise seed 0."""
     return identify(chapter_3(), measured(0))
 
 

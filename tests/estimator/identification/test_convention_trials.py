@@ -109,7 +109,7 @@ def test_nothing_is_named_on_a_right_run_whose_stated_scatter_is_far_too_small()
     assert found.named == ()
 
 
-def test_a_right_run_is_told_as_before() -> None:
+def test_a_right_run_is_reported_as_before() -> None:
     machine = document()
     run, measurement = sent()
     gated = identify_gated(machine, [run], [measurement], options=ONE)

@@ -116,7 +116,7 @@ def test_a_coupling_that_is_not_there(baseline: Identification) -> None:
         )
 
 
-def test_an_unbalance_that_changed_is_told_beside_the_verdict(baseline: Identification) -> None:
+def test_an_unbalance_that_changed_is_reported_beside_the_verdict(baseline: Identification) -> None:
     document = chapter_3_document()
     document["discs"][0]["unbalance"] = {"magnitude": 0.0142, "angle_deg": 76}
     found = compared(dense_response(parse_machine(document), SPEED, direction=1), baseline)

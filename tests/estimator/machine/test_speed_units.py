@@ -22,13 +22,13 @@ RUN = np.linspace(rpm_to_rad_per_s(310.0), rpm_to_rad_per_s(3500.0), 40)
         (30.0 / math.pi, "speeds in r/min that were sent as rad/s"),
     ],
 )
-def test_each_unit_that_was_taken_for_another_is_told(factor: float, words: str) -> None:
+def test_each_unit_that_was_taken_for_another_is_reported(factor: float, words: str) -> None:
     found = speed_units(RANGE, factor * RUN)
     assert words in [one.words for one in found]
     assert next(one.factor for one in found if one.words == words) == pytest.approx(1.0 / factor)
 
 
-def test_a_run_that_never_enters_the_range_is_told_and_one_that_does_is_not() -> None:
+def test_a_run_that_never_enters_the_range_is_reported_and_one_that_does_is_not() -> None:
     assert outside_speed_range(RANGE, RUN) == ""
     assert outside_speed_range(RANGE, np.zeros(3)) == ""
     assert outside_speed_range(RANGE, np.concatenate([0.001 * RUN, RUN[:1]])) == ""
@@ -39,7 +39,7 @@ def test_a_run_that_never_enters_the_range_is_told_and_one_that_does_is_not() ->
     assert outside_speed_range(RANGE, RUN / 1e4).endswith("is the unit of the speeds right?")
 
 
-def test_a_machine_that_covers_a_small_part_of_the_range_is_told_with_the_unit_that_would_explain_it() -> None:
+def test_a_machine_that_covers_a_small_part_of_the_range_is_reported_with_the_unit_that_would_explain_it() -> None:
     assert short_of_speed_range(RANGE, RUN) == ""
     assert short_of_speed_range(RANGE, np.zeros(3)) == ""
     as_rad_per_s = np.array([10.0, rpm_to_rad_per_s(3500.0) * math.pi / 30.0])

@@ -72,7 +72,7 @@ def test_rigid_rotor_whirls_in_circles() -> None:
     assert sum(abs(shape.frequency / bounce() - 1) < 1e-4 for shape in found) == 2
 
 
-def test_whirl_at_negative_spin_is_told_by_the_spin() -> None:
+def test_whirl_at_negative_spin_is_recognised_by_the_spin() -> None:
     up = mode_shapes(rigid_rotor(**INERTIA), spin=300.0, highest_frequency=600.0)
     down = mode_shapes(rigid_rotor(**INERTIA), spin=-300.0, highest_frequency=600.0)
     assert [one.frequency for one in down] == pytest.approx([one.frequency for one in up], rel=1e-7)

@@ -117,7 +117,7 @@ def test_a_channel_lost_for_a_while_is_named_with_its_speeds() -> None:
     assert "channel lost: Y has no usable value in the whole run (not-available)" in findings
 
 
-def test_noise_is_told_per_channel_and_compared_with_what_is_stated() -> None:
+def test_noise_is_reported_per_channel_and_compared_with_what_is_stated() -> None:
     one = run()
     loud = changed(one, slice(None), 1, noisy(one.phasor[:, 1], 5, 0.05))
     quality = assess(loud, noise=NOISE)

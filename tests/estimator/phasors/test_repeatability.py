@@ -35,7 +35,7 @@ def test_one_channel_that_changed_is_named_alone() -> None:
     assert "look at the channel" in words
 
 
-def test_a_machine_that_changed_is_told_with_its_channels() -> None:
+def test_a_machine_that_changed_is_reported_with_its_channels() -> None:
     (words,) = found(1.2 * noisy(steady(chapter_3(), SPEED), 1), 2)
     assert all(channel in words for channel in chapter_3().channels)
     assert words.endswith("differ from run 7")

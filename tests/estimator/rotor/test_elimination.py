@@ -21,7 +21,7 @@ def condensed(document: Document, monkeypatch: pytest.MonkeyPatch, *, banded: bo
 
 
 def sensitive(train: CondensedTrain) -> Sensitivity:
-    """At scale factors that are not 1, where there are any."""
+    """Compute the sensitivity at scale factors other than 1, where there are any."""
     unknown = train.unknowns
     coefficients = np.array([one.expected for one in unknown.coefficients])
     excitations = np.array([one.nominal or 1e-4 + 2e-4j for one in unknown.excitations], dtype=complex)
@@ -52,7 +52,7 @@ def test_bands_keep_no_transfer(monkeypatch: pytest.MonkeyPatch) -> None:
     assert train.shafts.forward.transfer.size == train.shafts.forward.response.size == 0
 
 
-def test_a_speed_that_cannot_be_condensed_at_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_speed_that_cannot_be_condensed_at_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(elimination, "LARGEST_TRANSFER", 1e-12)
     with pytest.raises(SingularCondensation, match=f"speed {SPEED[0]:.6g} rad/s falls on a natural frequency"):
         condensed(plain(), monkeypatch, banded=True)

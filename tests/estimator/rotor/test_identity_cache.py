@@ -8,7 +8,7 @@ from estimator.rotor.identity_cache import CACHE_SIZE, cached_by_identity
 from tests.identification import chapter_3
 
 
-class Counted:
+class CountedFunction:
     """A function of objects that says how often it was computed."""
 
     def __init__(self) -> None:
@@ -20,7 +20,7 @@ class Counted:
 
 
 def test_the_same_objects_are_computed_once_and_equal_ones_again() -> None:
-    counted = Counted()
+    counted = CountedFunction()
     asked = cached_by_identity(counted.__call__)
     one, equal, other = [1], [1], [2]
     assert asked(one, other) is asked(one, other)
@@ -31,7 +31,7 @@ def test_the_same_objects_are_computed_once_and_equal_ones_again() -> None:
 
 
 def test_only_the_last_ones_are_kept() -> None:
-    counted = Counted()
+    counted = CountedFunction()
     asked = cached_by_identity(counted.__call__)
     several = [[number] for number in range(CACHE_SIZE + 1)]
     for one in [*several, several[0]]:

@@ -124,7 +124,7 @@ def test_campbell_curves_are_those_of_the_modes() -> None:
     assert [one.speed for one in diagram.critical_speeds] == pytest.approx([one.speed for one in table], rel=SAME)
 
 
-def test_mode_shapes_are_told_at_every_node() -> None:
+def test_mode_shapes_are_reported_at_every_node() -> None:
     machine = parse_machine(overhung())
     speed = rpm_to_rad_per_s(3000.0)
     found = mode_shapes(machine, spin=speed, highest_frequency=2 * speed)

@@ -50,7 +50,7 @@ def test_of_a_train_of_everything_all_changes_have_a_unit() -> None:
         ("bearing.B9.kxy", None),
     ],
 )
-def test_changes_are_told_in(name: str, unit: str | None) -> None:
+def test_changes_are_reported_in(name: str, unit: str | None) -> None:
     assert change_unit(name, {"bearing.B1.kxy": "N/m", "disc.D1.unbalance": "kg m"}) == unit
 
 

@@ -112,7 +112,7 @@ def test_a_fast_run_down_from_low_speed_is_no_trip() -> None:
     assert "trip" not in [mode for mode, _ in modes(events)]
 
 
-def test_without_a_number_a_trip_is_told_by_the_machines_own_run_downs() -> None:
+def test_without_a_number_a_trip_is_recognised_by_the_machines_own_run_downs() -> None:
     state, start, told = OperatingState(), 0, []
     for down_s in (60, *[270] * FEWEST_RUNS, 240, round(270 / TRIP_RATIO) - 20, 270):
         speeds = cycle(down_s)

@@ -24,7 +24,7 @@ def block(waveforms: Floats) -> Block:
 
 
 def claim_over_error(noise: Floats, *, order: int = 1) -> float:
-    """Of the order in waveforms with this noise (RUNS, N)."""
+    """Return stated scatter over true error of an order in waveforms with this noise (RUNS, N)."""
     clean = np.cos(SPEED * TIME + 0.4) + 0.3 * np.cos(2.0 * SPEED * TIME - 1.0)
     found = block(clean + noise)
     true = {1: np.exp(0.4j), 2: 0.3 * np.exp(-1.0j)}[order]

@@ -1,18 +1,16 @@
 """Documents of trains on oil films: the reference motor and compressor, and a rotor between two equal bearings."""
 
 import copy
-from typing import Any, Literal
+from typing import Any
 
 from estimator.machine.document import Machine, parse_machine
 from tests.film_plant.documents import linear_document
-from tests.film_plant.motor_compressor import motor_compressor
+from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
 from tests.film_plant.plant import RPM, Plant
 from tests.film_plant.train import ConstantOil
 
-Kind = Literal["flexible", "rigid"]
 
-
-def motor_compressor_document(kind: Kind, case: str = "aligned") -> dict[str, Any]:
+def motor_compressor_document(kind: CouplingKind, case: str = "aligned") -> dict[str, Any]:
     """The document by geometry of one of the reference cases; elevations are those over the aligned case."""
     train, aligned = motor_compressor(kind, case), motor_compressor(kind)
     plant = Plant("motor-compressor", train, train, 700.0 * RPM, 4600.0 * RPM)

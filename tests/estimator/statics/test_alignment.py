@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine
 from estimator.statics.alignment import CouplingAlignment, coupling_alignments
-from tests.estimator.statics.films import Kind, motor_compressor_document
+from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.trains import few_examples
-from tests.film_plant.motor_compressor import ANGLE, PARALLEL
+from tests.film_plant.motor_compressor import ANGLE, PARALLEL, CouplingKind
 from tests.paths import EXAMPLES
 
 ROUNDING = 1e-9
@@ -54,7 +54,7 @@ def three_bearings(machine: Machine) -> list[float]:
     ("case", "offset", "angle"),
     [("aligned", 0.0, 0.0), ("parallel_up", 1.0, 0.0), ("parallel_down", -1.0, 0.0), ("angle_100urad", 0.0, -ANGLE)],
 )
-def test_the_reference_cases_have_their_offset_and_angle(kind: Kind, case: str, offset: float, angle: float) -> None:
+def test_the_reference_cases_have_their_offset_and_angle(kind: CouplingKind, case: str, offset: float, angle: float) -> None:
     machine = parse_machine(motor_compressor_document(kind, case))
     (found,) = coupling_alignments(machine)
     elevation = np.array([one.film.elevation_y for one in machine.bearings if one.film is not None])
@@ -109,7 +109,7 @@ def test_a_shaft_on_three_bearings_bends_as_a_beam() -> None:
     assert found.offset[[2, 3]] == pytest.approx(alignment_of("flexible").offset[[2, 3]])
 
 
-def alignment_of(kind: Kind) -> CouplingAlignment:
+def alignment_of(kind: CouplingKind) -> CouplingAlignment:
     return coupling_alignments(parse_machine(motor_compressor_document(kind)))[0]
 
 

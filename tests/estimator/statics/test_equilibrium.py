@@ -11,18 +11,18 @@ from estimator.statics.film_coefficients import film_coefficients
 from estimator.statics.film_stability import least_damped_whirl, whirl_onset
 from estimator.statics.train_statics import GRAVITY, MissingFilm
 from estimator.units import rpm_to_rad_per_s
-from tests.estimator.statics.films import Kind, between_two_bearings, motor_compressor_document
+from tests.estimator.statics.films import between_two_bearings, motor_compressor_document
 from tests.estimator.trains import few_examples
-from tests.film_plant.motor_compressor import CASES
+from tests.film_plant.motor_compressor import CASES, CouplingKind
 from tests.paths import DATA
 
-KINDS: tuple[Kind, ...] = ("flexible", "rigid")
+KINDS: tuple[CouplingKind, ...] = ("flexible", "rigid")
 SPEED = rpm_to_rad_per_s(3000.0)
 
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("kind", KINDS)
-def test_loads_positions_and_coefficients_are_those_of_the_reference_arrays(kind: Kind, case: str) -> None:
+def test_loads_positions_and_coefficients_are_those_of_the_reference_arrays(kind: CouplingKind, case: str) -> None:
     """Asked: 2 % of the load, of the clearance and of a matrix's largest term. The arrays come from another program."""
     machine = parse_machine(motor_compressor_document(kind, case))
     train = film_train(machine)

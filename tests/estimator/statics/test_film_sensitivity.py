@@ -9,7 +9,8 @@ from estimator.machine.document import parse_machine
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_sensitivity import PARAMETERS, film_sensitivity
 from estimator.units import rpm_to_rad_per_s
-from tests.estimator.statics.films import Kind, motor_compressor_document
+from tests.estimator.statics.films import motor_compressor_document
+from tests.film_plant.motor_compressor import CouplingKind
 
 STEPS = {"clearance": 1e-5, "viscosity": 1e-5, "elevation_x": 1e-9, "elevation_y": 1e-9}
 
@@ -53,7 +54,7 @@ def check_derivatives(train: FilmTrain, speed: float) -> None:
 
 
 @pytest.mark.parametrize("kind", ["flexible", "rigid"])
-def test_derivatives_are_those_of_differences(kind: Kind) -> None:
+def test_derivatives_are_those_of_differences(kind: CouplingKind) -> None:
     check_derivatives(film_train(parse_machine(motor_compressor_document(kind))), rpm_to_rad_per_s(3000.0))
 
 

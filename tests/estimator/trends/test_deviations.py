@@ -36,7 +36,7 @@ def found(change: dict[str, float], *, own: float = 0.005) -> Deviations:
     return deviations([point(own=own)] * RUNS, point(change, own=own))
 
 
-def test_changes_are_told_in_the_parameters_own_sizes() -> None:
+def test_changes_are_reported_in_the_parameters_own_sizes() -> None:
     change = {"bearing.B1.kxx": math.log(1.2), "bearing.B1.kxy": 0.05, "disc.D1.unbalance.imaginary": 0.4}
     by_name = {one.name: one for one in found(change).parameters}
     assert by_name["bearing.B1.kxx"].change == pytest.approx(0.2)

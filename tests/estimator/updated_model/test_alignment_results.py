@@ -10,15 +10,15 @@ from estimator.updated_model.alignment_results import AlignmentResult, alignment
 from estimator.updated_model.derived_quantities import Derived, model_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.models import rich_model
-from tests.estimator.statics.films import Kind, motor_compressor_document
+from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.updated_model.propagation import propagated
-from tests.film_plant.motor_compressor import ANGLE, PARALLEL
+from tests.film_plant.motor_compressor import ANGLE, PARALLEL, CouplingKind
 
 SPREAD = 150e-6
 NAMES = tuple(f"coupling.C1.{what}" for what in ("offset_vertical", "offset_horizontal", "angle_vertical", "angle_horizontal"))
 
 
-def machine_of(kind: Kind = "flexible", case: str = "aligned") -> Machine:
+def machine_of(kind: CouplingKind = "flexible", case: str = "aligned") -> Machine:
     said = motor_compressor_document(kind, case)
     for bearing in said["bearings"]:
         bearing["speed_dependence"] = {"form": "journal", "elevation_spread": SPREAD}
@@ -55,7 +55,7 @@ def with_known_offset(model: UpdatedModel, error: float) -> UpdatedModel:
 
 @pytest.mark.parametrize("kind", ["flexible", "rigid"])
 @pytest.mark.parametrize("case", ["parallel_up", "parallel_down", "angle_100urad"])
-def test_of_the_document_alone_it_is_what_its_elevations_say(kind: Kind, case: str) -> None:
+def test_of_the_document_alone_it_is_what_its_elevations_say(kind: CouplingKind, case: str) -> None:
     found = by_name(expected_model(machine_of(kind, case)))
     offset = {"parallel_up": PARALLEL[kind], "parallel_down": -PARALLEL[kind]}.get(case, 0.0)
     expected = [offset, 0.0, -ANGLE if case == "angle_100urad" else 0.0, 0.0]

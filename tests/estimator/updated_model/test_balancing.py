@@ -165,7 +165,7 @@ def test_masses_of_a_correction() -> None:
         correction_masses(found, radius=[0.1, 0.0])
 
 
-def test_planes_that_do_the_same_are_told_by_the_condition_number() -> None:
+def test_planes_that_do_the_same_are_recognised_by_the_condition_number() -> None:
     document = chapter_3_document()
     document["discs"].append(document["discs"][0] | {"id": "D5", "station": 0.26})
     model = model_of(parse_machine(document))

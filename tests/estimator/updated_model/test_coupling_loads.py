@@ -131,7 +131,7 @@ def assert_quantiles(band: PhasorBand, drawn: np.ndarray) -> None:
 
 
 def largest_in_a_turn(load: Complexes) -> np.ndarray:
-    """Of loads (..., 2) over x and y: the longest of 720 vectors in a turn."""
+    """Return the longest of 720 vectors in a turn of loads (..., 2) over x and y."""
     turn = np.exp(1j * np.linspace(0.0, 2 * np.pi, 720))
     return np.asarray(np.max(np.linalg.norm((load[..., None] * turn).real, axis=-2), axis=-1))
 

@@ -11,10 +11,10 @@ from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import expected_model
 from estimator.updated_model.static_coupling_loads import static_coupling_loads
 from tests.estimator.models import rich_model
-from tests.estimator.statics.films import Kind, motor_compressor_document
+from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.updated_model.propagation import propagated
 from tests.estimator.updated_model.test_alignment_results import before, machine_of
-from tests.film_plant.motor_compressor import PARALLEL, motor_compressor
+from tests.film_plant.motor_compressor import PARALLEL, CouplingKind, motor_compressor
 from tests.paths import DATA
 
 STIFFNESS = 1.2e6
@@ -23,7 +23,7 @@ STIFFNESS = 1.2e6
 
 @pytest.mark.parametrize("kind", ["flexible", "rigid"])
 @pytest.mark.parametrize("case", ["aligned", "parallel_down", "parallel_up", "angle_100urad"])
-def test_shear_is_what_the_bearings_of_the_reference_arrays_leave(kind: Kind, case: str) -> None:
+def test_shear_is_what_the_bearings_of_the_reference_arrays_leave(kind: CouplingKind, case: str) -> None:
     """Running speed is 4600 r/min. The loads of another program, and the weight of the second shaft by hand."""
     found = {one.name: one for one in static_coupling_loads(expected_model(machine_of(kind, case)))}
     train = motor_compressor(kind)

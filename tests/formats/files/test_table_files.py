@@ -70,7 +70,7 @@ def test_columns_are_those_of_the_file_beside_the_document(tmp_path: Path) -> No
         ("speed_rpm,kxx\n90,2e5\n", "bearings[1].speed_dependence.speed_rpm: a table has at least 5 speeds"),
     ],
 )
-def test_a_wrong_file_is_told_by_file_line_and_column(tmp_path: Path, text: str | None, message: str) -> None:
+def test_a_wrong_file_is_reported_by_file_line_and_column(tmp_path: Path, text: str | None, message: str) -> None:
     path = document_with(tmp_path, {"form": "table", "csv": "tables/B2.csv"}, text)
     with pytest.raises(UnreadableFile) as raised:
         read_machine(path)

@@ -131,7 +131,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
-def test_a_cut_mdf_file_is_told_in_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_cut_mdf_file_is_reported_in_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     asammdf = pytest.importorskip("asammdf")
     mapped(tmp_path)
     file = asammdf.MDF(version="4.10")
@@ -193,7 +193,7 @@ def test_columns_of_other_lengths_and_of_several_groups_are_named(tmp_path: Path
         read_recording(tmp_path / "a.tdms")
 
 
-def test_what_is_wrong_with_an_export_is_told_by_the_line_of_the_file(tmp_path: Path) -> None:
+def test_what_is_wrong_with_an_export_is_reported_by_the_line_of_the_file(tmp_path: Path) -> None:
     mapped(tmp_path, channels=[{"channel": "B1X", "amplitude": "Amplitude#1", "phase": "Phase#1"}])
     rows = ["3/1/2024 10:00:00,600,1.0,2.0,3.0,4.0", "3/1/2024 10:00:01,700,Bad,2.0,3.0,4.0", "3/1/2024 10:00:02,800,1."]
     (tmp_path / "a.csv").write_text(SYSTEM_1 + "\n".join(rows[:2]) + "\n")

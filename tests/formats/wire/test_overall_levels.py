@@ -31,7 +31,7 @@ def test_levels_have_unit_and_kind_of_the_amplitude(encoding: str, unit: str, ki
     assert np.isnan(np.delete(found.overall[0], 2)).all()
 
 
-def test_volts_are_told_by_the_probes_sensitivity() -> None:
+def test_volts_are_recognised_by_the_probes_sensitivity() -> None:
     """8000 V/m."""
     sent = batch([900.0], channels=["B3X"], amplitude=[[0.1]], phase=[[0.0]], overall=[[0.64]], amplitude_unit="V")
     found, _, _ = converted(sent)

@@ -159,7 +159,7 @@ def test_a_batch_in_unknown_units_is_rejected(name: str) -> None:
     assert reason_of(lambda: converted(batch(**WRONG_UNITS[name]))) == "wrong_unit"
 
 
-def test_a_wrong_unit_is_told_with_the_right_ones() -> None:
+def test_a_wrong_unit_is_reported_with_the_right_ones() -> None:
     with pytest.raises(Rejected, match="speed_unit 'RPM' is not one of rpm, rad/s, Hz"):
         converted(batch(speed_unit="RPM"))
     with pytest.raises(Rejected, match=r"sensitivity \[V/m\] in the document for B2X, B2Y"):

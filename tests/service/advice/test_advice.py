@@ -114,7 +114,7 @@ def test_nothing_is_urgent_once_the_cause_is_gone(language: Language, words: str
         assert one.how_far  # what was found stays
 
 
-def test_the_size_of_several_elements_is_told_as_their_mean() -> None:
+def test_the_size_of_several_elements_is_reported_as_their_mean() -> None:
     """Otherwise +53 % stands above and 36 % below, and a reader takes one of them for wrong."""
     bearing = PART | {"name": "bearing.B2.coefficients", "value": 4.0}
     urgent = told("misalignment", "coupling.C1", parts=[PART, bearing], per_cent=8.0, progress=GROWING).how_urgent
@@ -132,7 +132,7 @@ def test_of_a_seal_nothing_is_said_of_oil(language: Language, oil: str) -> None:
     assert oil in " ".join(of_bearing.check).lower()
 
 
-def test_an_alignment_is_told_in_micrometres_and_milliradians() -> None:
+def test_an_alignment_is_reported_in_micrometres_and_milliradians() -> None:
     numbers = {"allowed_at_rpm": 3600.0, "angle_vertical_urad": 600.0, "angle_vertical_half_width_urad": 50.0}
     numbers |= {"angle_vertical_allowed_urad": 370.0}
     part = PART | {"name": "coupling.C1.angle_vertical", "unit": "urad", "value": 600.0, "lower": 550.0, "upper": 650.0}
@@ -145,7 +145,7 @@ def test_an_alignment_is_told_in_micrometres_and_milliradians() -> None:
     assert "The offset is not determined" in one.not_determined
 
 
-def test_evidence_of_another_release_is_told_by_kind_and_element(caplog: pytest.LogCaptureFixture) -> None:
+def test_evidence_of_another_release_is_reported_by_kind_and_element(caplog: pytest.LogCaptureFixture) -> None:
     facts = FindingFacts("pump-7", "wear", "bearing.B2", EVIDENCE, Severity.ALERT, MEASURED)
     assert advice_of(facts, SiteTexts()) is None  # without the numbers of a clearance
     assert "cannot be put into words" in caplog.text
@@ -156,7 +156,7 @@ def test_evidence_of_another_release_is_told_by_kind_and_element(caplog: pytest.
     assert plain_message("bearing", "bearing.B1") == "Bearing B1 itself"
 
 
-def test_a_finding_is_told_in_german() -> None:
+def test_a_finding_is_reported_in_german() -> None:
     others = {"runners_up": [{"kind": "coupling", "element": "coupling.C1", "evidence": 38.0}]}
     ahead = AHEAD | {"expected": 1.0, "earliest": 0.5, "latest": None}
     one = told("misalignment", "coupling.C1", None, GERMAN, parts=[PART], progress=GROWING | {"ahead": ahead}, **others)

@@ -31,13 +31,13 @@ from tests.slow_roll import slow_roll_and_run_down, train_with_run_out
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a database that knows the machine and nothing else."""
+    """An API over a database that knows the machine and nothing else."""
     return Api(plant)
 
 
 @pytest.fixture
 def pump(plant: Database) -> Api:
-    """Over a machine with a slow roll and a run-down."""
+    """An API over a machine with a slow roll and a run-down."""
     return slow_roll_and_run_down(plant)
 
 
@@ -74,14 +74,14 @@ def story_template(databases: Databases, plant_template: str, tmp_path_factory: 
 
 @pytest.fixture(scope="session")
 def told(databases: Databases, story_template: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
-    """Over the story, which no test changes."""
+    """An API over the story, which no test changes."""
     with opened(databases, story_template, tmp_path_factory.mktemp("told") / "told.db") as database:
         yield Api(database)
 
 
 @pytest.fixture
 def changing(databases: Databases, story_template: str, tmp_path: Path) -> Iterator[Api]:
-    """Over a story of the test's own."""
+    """An API over a story of the test's own."""
     with opened(databases, story_template, tmp_path / "rundown.db") as database:
         yield Api(database)
 

@@ -7,7 +7,7 @@ from service.balancing.rendering import on_scale
 
 
 @pytest.mark.parametrize(("counted", "direction", "expected"), [("x-to-y", 1, 20.0), ("against-rotation", 1, 340.0)])
-def test_angles_are_told_on_the_scale_too(counted: str, direction: int, expected: float) -> None:
+def test_angles_are_reported_on_the_scale_too(counted: str, direction: int, expected: float) -> None:
     scale = DiscScale.model_validate({"counted": counted, "zero_deg": 10.0})
     found = on_scale({"planes": [{"disc": "D1", "angle_deg": 30.0, "masses": [{"angle_deg": 10.0}]}]}, scale, direction)
     [plane] = found["planes"]

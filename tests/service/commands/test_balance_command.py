@@ -129,7 +129,7 @@ def test_limits_holes_and_min_max(runs: list[str]) -> None:
     assert "D9: no such disc" in run("balance", *runs, "--limit", "D9=1", status=1)
 
 
-def test_angles_are_told_on_the_scale_of_the_discs_that_the_sidecars_state(runs: list[str], tmp_path: Path) -> None:
+def test_angles_are_reported_on_the_scale_of_the_discs_that_the_sidecars_state(runs: list[str], tmp_path: Path) -> None:
     """A scale that grows against the rotation from 90° on: what is at an angle a reads 90° - a."""
     scale = {"counted": "against-rotation", "zero_deg": 90.0}
     told = correction(run("balance", *runs))

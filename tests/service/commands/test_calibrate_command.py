@@ -100,7 +100,7 @@ def test_what_is_left_out_of_a_file_of_several_mountings_is_said(calibrated: tup
     assert ended.stderr.startswith(f"{later}, row 1"), ended.stderr
 
 
-def test_a_later_table_without_a_sidecar_is_told_from_the_mark(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+def test_a_later_table_without_a_sidecar_is_recognised_by_the_mark(calibrated: tuple[str, Path], tmp_path: Path) -> None:
     table = tmp_path / "table.csv"
     channels = read_machine(calibrated[1]).channels
     columns = ",".join(f"{channel}_um_pp,{channel}_lag_deg" for channel in channels)

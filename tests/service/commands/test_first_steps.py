@@ -59,7 +59,7 @@ def with_wrong_phasors(file: Path) -> None:
     file.write_text("\n".join([header, *map(",".join, cells)]) + "\n", encoding="utf-8")
 
 
-def test_what_is_wrong_with_phasors_is_told(pump: Path, tmp_path: Path) -> None:
+def test_what_is_wrong_with_phasors_is_reported(pump: Path, tmp_path: Path) -> None:
     file = tmp_path / "run.csv"
     run("sample", str(pump), str(file))
     assert "left out" not in run("check", str(pump), str(file))

@@ -223,7 +223,7 @@ def test_a_refused_run_tells_which_convention_is_wrong(tmp_path: Path) -> None:
     assert text.index("Where the refused fit ended; these are no results") < text.index("bearing.B1.kxx  ")
 
 
-def test_a_run_that_never_enters_the_speed_range_is_told(tmp_path: Path) -> None:
+def test_a_run_that_never_enters_the_speed_range_is_reported(tmp_path: Path) -> None:
     high = SPEED > 100.0
     phasor = 1e6 * of(chapter_3_document(), seed=4)[high]
     sent = 30.0 / np.pi * SPEED[high]

@@ -216,7 +216,7 @@ def test_a_receiver_that_is_gone_is_disabled(
         assert (row.state, row.reason) == ("disabled", "the receiver answered 410")
 
 
-def test_an_event_that_cannot_be_told_is_given_up_and_holds_up_no_other(
+def test_an_event_that_cannot_be_reported_is_given_up_and_holds_up_no_other(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver
 ) -> None:
     subscription = subscribe(plant, http.url("/ok"), name="historian")
@@ -250,7 +250,7 @@ def test_a_delivery_whose_record_is_gone_holds_up_no_other(
         assert one.trouble is None
 
 
-def test_an_ending_that_cannot_be_recorded_is_told_of_and_holds_up_no_other(
+def test_an_ending_that_cannot_be_recorded_is_reported_and_holds_up_no_other(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It is not sent again meanwhile: its receiver had it."""
@@ -275,12 +275,12 @@ def test_an_ending_that_cannot_be_recorded_is_told_of_and_holds_up_no_other(
         wait_until(lambda: one.trouble is None)
 
 
-def test_what_nobody_expected_is_told_of_until_it_is_over(
+def test_what_nobody_expected_is_reported_until_it_is_over(
     plant: Database, network: Router, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(dispatcher_module, "RETRY_S", 0.05)
 
-    class Confused(WholeShare):
+    class FailingShare(WholeShare):
         clear = False
 
         def is_leader(self, work: str) -> bool:
@@ -288,7 +288,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
                 raise LookupError(work)
             return True
 
-    share = Confused()
+    share = FailingShare()
     one = Dispatcher(plant, network[0], settings(), share)
     one.start()
     try:
@@ -416,7 +416,7 @@ def test_the_network_hears_events_and_answers_with_the_last_state(
     states_of.close()
 
 
-def test_an_alert_that_cannot_be_told_keeps_no_other_from_being_answered(
+def test_an_alert_that_cannot_be_reported_keeps_no_other_from_being_answered(
     plant: Database, found: IdentificationRow, network: Router
 ) -> None:
     session = network[0]

@@ -209,7 +209,7 @@ def test_a_lost_key_is_stated_and_no_other_one_is_made_in_its_place(stores: Stor
         assert not key.exists()
 
 
-def test_the_first_of_several_keys_seals_anew_what_the_others_sealed(plant: Database, tmp_path: Path) -> None:
+def test_the_first_of_several_keys_seals_again_what_the_others_sealed(plant: Database, tmp_path: Path) -> None:
     file = tmp_path / "keys"
     private(file, key_text(FIRST))
     settings = Settings(sealing_key_file=str(file))
@@ -248,7 +248,7 @@ def test_without_a_key_what_an_older_release_left_plain_stays_in_use(plant: Data
     assert (told["secret_kept"], told["trouble"], stored(plant, number)) == ("plain", None, "whsec_c2VjcmV0")
 
 
-def test_a_plain_secret_still_signs_and_is_told_of_where_there_is_no_key() -> None:
+def test_a_plain_secret_still_signs_and_is_reported_where_there_is_no_key() -> None:
     row = SubscriptionRow(id=1, name="old", kind="webhook", target=TARGET, secret="whsec_c2VjcmV0", state="active")
     secrets = SigningSecrets()
     assert (secrets.reveal(row), secrets.renewed(row)) == ("whsec_c2VjcmV0", None)

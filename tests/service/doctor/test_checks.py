@@ -27,7 +27,7 @@ from tests.ports import free_port
 
 
 def settings(service: Service, **changes: object) -> Settings:
-    """As those of a running service."""
+    """Return settings of a running service."""
     listen = [service.endpoint]
     return Settings.model_validate({"database": service.database, "port": service.port, "zenoh_listen": listen} | changes)
 

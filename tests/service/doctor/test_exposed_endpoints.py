@@ -29,7 +29,7 @@ API = "REST API, page and metrics"
 
 @pytest.fixture(scope="module")
 def certificates(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """As the script makes them, with rules for one source."""
+    """Certificates that the script makes, with rules for one source."""
     folder = tmp_path_factory.mktemp("certificates")
     for names in (("authority",), ("service", "127.0.0.1")):
         subprocess.run([ROOT / "deploy" / "certificates.sh", folder, *names], check=True, capture_output=True, timeout=30)
@@ -66,7 +66,7 @@ def found(what: str, **settings: Any) -> ExposedEndpoint:
         ({"public_url": "http://localhost:8080"}, "local", "host=127.0.0.1"),
     ],
 )
-def test_the_api_is_told_of_with_the_setting_that_makes_it_so(
+def test_the_api_is_reported_with_the_setting_that_makes_it_so(
     tmp_path: Path, settings: dict[str, Any], level: str, words: str
 ) -> None:
     one = found(API, database=sqlite_url(tmp_path / "none.db"), **settings)
@@ -111,7 +111,7 @@ def test_what_anybody_may_ask_is_that_of_the_table_of_operations(tmp_path: Path)
         ("inner addresses for webhooks", {"delivery_networks": ["::/0"]}, "weak", "::/0"),
     ],
 )
-def test_every_other_door_is_told_of(tmp_path: Path, what: str, settings: dict[str, Any], level: str, words: str) -> None:
+def test_every_other_door_is_reported(tmp_path: Path, what: str, settings: dict[str, Any], level: str, words: str) -> None:
     one = found(what, **({"database": sqlite_url(tmp_path / "none.db")} | settings))
     assert (one.level, words in one.because) == (level, True), one
     assert "s3cret" not in repr(one)

@@ -10,7 +10,8 @@ from hypothesis import settings as settings_of_examples
 from hypothesis import strategies as st
 
 from estimator.arrays import Floats
-from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
+from service.edge.block_outcomes import BlockOutcome, BlockSettings, Position
+from service.edge.blocks import BlockStream
 from service.edge.sample_window import Chunk
 from tests.plant import few_examples
 from tests.waveforms import RATE, START_NS, keyphasor, probes, recorded, shaft, true_phasors
@@ -116,7 +117,7 @@ def test_memory_is_bounded_by_the_window() -> None:
         assert stream._window.values.shape[1] <= (0.5 + 2 * 0.25) * RATE + 512
 
 
-def test_a_hole_begins_anew_and_costs_no_more_than_a_block_on_each_side() -> None:
+def test_a_hole_begins_again_and_costs_no_more_than_a_block_on_each_side() -> None:
     stream = BlockStream(BY_SECONDS)
     hole = slice(5000, 5100)
     found = list(stream.feed(Chunk(0, RAMPED[:, : hole.start], RATE, 0, START_NS)))

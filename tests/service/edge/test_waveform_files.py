@@ -440,7 +440,7 @@ def test_a_column_is_mapped_once(tmp_path: Path) -> None:
         EdgeConfiguration.model_validate(edge_document(waveforms=said, keyphasor={"column": "A"}, channels=channels[:1]))
 
 
-def test_a_mat_file_of_the_newest_version_is_told_from_a_broken_one(tmp_path: Path) -> None:
+def test_a_mat_file_of_the_newest_version_is_distinguished_from_a_broken_one(tmp_path: Path) -> None:
     write_hdf5(tmp_path / "a.h5")
     head = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
     (tmp_path / "a.mat").write_bytes(head.ljust(512, b"\x00") + (tmp_path / "a.h5").read_bytes())

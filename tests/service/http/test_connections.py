@@ -33,7 +33,7 @@ class ServiceOfFewDescriptors(Service):
     """A service that may hold 160 file descriptors; the tests' own process, which may hold more already, keeps its limit."""
 
     def started(self) -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
-        """As of Service."""
+        """Start the service with few descriptors."""
         flags = ["--database", self.database, "--port", str(self.port), "--zenoh-listen", self.endpoint]
         return python(self.log, "-c", WITH_DESCRIPTORS, "160", "-m", "service", "serve", *flags)
 

@@ -5,14 +5,15 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import pytest
 
-from estimator.errors import Damaged, DomainError, Invalid, Missing, Unavailable
+from estimator.errors import Damaged, DomainError, Invalid, Unavailable
 from estimator.machine.document import DocumentError
-from service.api.application import LISTED  # with every module whose errors reach HTTP
+from service.api.application import LISTED, ROWS  # with every module whose errors reach HTTP
+from service.api.conventions.error_handlers import require_every_hint
 from service.http.error_status import STATUS, status_of
 from service.identification.job_quota import QuotaExceeded
 from storage.encoding.sample_blocks import DamagedBlock
 from storage.machines.machines import MachineUnknown
-from tests.paths import ROOT
+from tests.paths import PACKAGES, ROOT
 from tests.syntax_trees import parsed, statements
 
 
@@ -40,9 +41,18 @@ def test_every_error_is_of_one_category(kind: type[DomainError]) -> None:
     assert sum(category in kind.__mro__ for category in STATUS) == 1, f"{kind.__name__} derives from one of {list(STATUS)}"
 
 
-@pytest.mark.parametrize("kind", [one for one in ERRORS if issubclass(one, Missing) and hasattr(one, "subject")])
-def test_of_what_is_missing_it_is_told_where_it_is_listed(kind: type[Missing]) -> None:
-    assert kind.subject in LISTED, f"LISTED of service/api/application.py lacks '{kind.subject}' of {kind.__name__}"
+def test_of_what_is_missing_it_is_told_where_it_is_listed() -> None:
+    require_every_hint(LISTED)
+    assert {subject for _, subject in ROWS.values()} <= set(LISTED)
+    without = {subject: hint for subject, hint in LISTED.items() if subject != "run"}
+    with pytest.raises(LookupError, match=r"LISTED .* lacks 'run' of RunUnknown"):
+        require_every_hint(without)
+
+
+def test_an_error_of_what_is_missing_needs_a_subject(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(MachineUnknown, "subject")
+    with pytest.raises(LookupError, match=r"storage.machines.machines.MachineUnknown needs a subject"):
+        require_every_hint(LISTED)
 
 
 def test_an_error_says_what_a_special_answer_needs() -> None:
@@ -61,12 +71,15 @@ def test_an_error_says_what_a_special_answer_needs() -> None:
 REACHED = (
     "service/api",
     "service/balancing",
+    "service/identification",
+    "service/monitoring",
     "storage/alerts",
+    "storage/encoding",
     "storage/findings",
     "storage/machines",
     "storage/measurements",
 )
-"""Rooms whose errors reach whoever asks over HTTP: the API's, and the repositories that it calls."""
+"""Rooms whose errors reach whoever asks over HTTP: the API's, and the jobs, findings and repositories that it asks."""
 
 
 def own_classes(packages: Iterable[str]) -> dict[str, set[str]]:
@@ -93,7 +106,7 @@ def without_category(source: str, classes: Mapping[str, set[str]]) -> list[str]:
 
 def test_no_error_without_a_category_is_raised_where_it_would_reach_a_caller() -> None:
     """It would be answered as an unexpected error, with status 500."""
-    classes = own_classes(("estimator", "storage", "formats", "service"))
+    classes = own_classes(PACKAGES)
     paths = [path for room in REACHED for path in sorted((ROOT / room).rglob("*.py"))]
     found = {path.relative_to(ROOT).as_posix(): without_category(path.read_text(), classes) for path in paths}
     assert {path: errors for path, errors in found.items() if errors} == {}

@@ -8,7 +8,7 @@ from typing import Any
 
 from starlette.types import Message, Receive, Scope, Send
 
-from service.http.fair_scheduling import AT_ONCE_S, MOST_LET_IN, PERSON, FairScheduling, LatelyLetIn
+from service.http.fair_scheduling import AT_ONCE_S, MOST_LET_IN, PERSON, FairScheduling, RecentCredentials
 
 Ask = Callable[[Scope], Coroutine[Any, Any, None]]
 
@@ -85,7 +85,7 @@ def test_quick_ones_begin_together() -> None:
     assert max(most_between(holding_s=0.0) for _ in range(5)) > 1
 
 
-def test_clients_take_turns_and_life_is_told_at_once() -> None:
+def test_clients_take_turns_and_life_is_reported_at_once() -> None:
     async def attack(ask: Ask) -> None:
         async with asyncio.TaskGroup() as group:
             for _ in range(40):
@@ -124,7 +124,7 @@ def let_in(key: bytes, person: str) -> Scope:
 
 
 def test_credentials_of_whom_nobody_let_in_lately_are_forgotten() -> None:
-    people = LatelyLetIn()
+    people = RecentCredentials()
     for number in range(MOST_LET_IN + 1):
         people.record(let_in(b"%d" % number, f"person {number}"))
     assert people.person(asked("10.0.0.1", key=b"0")) == ""

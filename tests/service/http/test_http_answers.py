@@ -28,7 +28,7 @@ CALIBRATED = {"channel": "B2X", "at": "2026-03-01T09:00:00Z", "certificate": "No
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a machine with a closed run and its identification."""
+    """An API over a machine with a closed run and its identification."""
     with plant.transaction() as session:
         run = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START)
         runs.close(run, samples=samples(40), state=runs.CLOSED, reason="the speed left the speed range")

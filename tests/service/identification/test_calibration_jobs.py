@@ -277,7 +277,7 @@ def test_one_asked_for_again_when_samples_are_gone_is_refused_with_the_reason(da
     assert [one["id"] for one in api("GET", path)] == [first["id"]]
 
 
-def test_a_document_that_changes_while_runs_are_checked_is_told_of(
+def test_a_document_that_changes_while_runs_are_checked_is_reported(
     database: Database, api: Api, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = MiscalibratedPump(database)

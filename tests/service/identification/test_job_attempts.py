@@ -54,7 +54,7 @@ def test_killed_worker_costs_an_attempt_and_no_job(database: Database, train: Ma
         assert len(identifications.of_machine(session, train.id)) == 4
 
 
-def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_told(
+def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_reported(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("service.workers.process_pool.GRACE_S", 1.0)
@@ -81,7 +81,7 @@ def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_told(
         assert [row.attempts for row in jobs.of_machine(session, train.id, limit=10)] == [2, 2, 1, 1]
 
 
-def test_where_no_worker_can_be_started_jobs_wait_unhurt_and_that_is_told(
+def test_where_no_worker_can_be_started_jobs_wait_unhurt_and_that_is_reported(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def no_memory(_: object) -> None:
@@ -120,7 +120,7 @@ def stopped(_: IdentificationTask) -> IdentificationOutcome:
 
 
 def costly(tries: Path, until: int, error: str, task: IdentificationTask) -> IdentificationOutcome:
-    """Computes in its process from a try on; before that it uses it up. tries: file with a line for each try."""
+    """Compute from one try on; exceed a limit of the process before. tries: file with a line for each try."""
     with tries.open("a") as counted:
         counted.write("tried\n")
     if len(tries.read_text().splitlines()) < until:
@@ -187,7 +187,7 @@ def test_a_job_that_takes_more_than_it_may_has_three_tries(
 
 
 def spoiled(tries: Path, task: IdentificationTask) -> IdentificationOutcome:
-    """Of the first try a result that cannot be stored, of the second an error that cannot be. tries: as of `costly`."""
+    """Return a result that cannot be stored at the first try, raise such an error at the second. tries: as in `costly`."""
     with tries.open("a") as counted:
         counted.write("tried\n")
     count = len(tries.read_text().splitlines())

@@ -145,7 +145,7 @@ def test_a_result_is_kept_and_the_next_one_computed_when_nothing_can_be_conclude
 
 
 def made_anew(database: Database, run_id: int) -> int:
-    """As late samples do it, here with fewer samples; returns how many."""
+    """Rebuild a run as late samples do, here with fewer samples; return how many."""
     with database.transaction() as session:
         held, row = runs.samples(session, run_id), runs.get(session, run_id)
         assert held is not None
@@ -155,7 +155,7 @@ def made_anew(database: Database, run_id: int) -> int:
         return len(fewer)
 
 
-def test_of_a_run_that_was_made_anew_meanwhile_the_new_samples_are_identified(
+def test_of_a_run_that_was_rebuilt_meanwhile_the_new_samples_are_identified(
     database: Database, train: Machine, executor: LocalExecutor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with database.transaction() as session:
@@ -319,7 +319,7 @@ REFUSED = IntegrityError("INSERT", {}, Exception("an alert that the database doe
 
 @pytest.mark.parametrize("step", ["context_loading.load_context", "conclusions.apply"])
 @pytest.mark.parametrize("error", [CONFUSED, REFUSED], ids=["unforeseen", "refused by the database"])
-def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
+def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_reported(
     database: Database, train: Machine, executor: LocalExecutor, monkeypatch: pytest.MonkeyPatch, error: Exception, step: str
 ) -> None:
     def confused(*_: Any, **__: Any) -> None:

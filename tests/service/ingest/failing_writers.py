@@ -1,4 +1,4 @@
-"""Journals that fail in part, and an ingest that runs with them."""
+"""Sample writers that fail in part, and an ingest that runs with them."""
 
 from contextlib import ExitStack
 from typing import Any

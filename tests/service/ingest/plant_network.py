@@ -37,7 +37,7 @@ def ingesting(router: zenoh.Session, database: Database, *, silence_s: float = 6
         ingest.stop()
 
 
-class Confused(SampleWriter):
+class FailingWriter(SampleWriter):
     """Meets an error that nobody foresaw where it looks up one machine."""
 
     def plant_of(self, machine_id: str) -> str | None:

@@ -19,7 +19,7 @@ from service.write_path.write_batch import WriteBatch
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until
-from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, Surroundings, counts, heard, put_batch, received
+from tests.service.ingest.plant_network import DroppedOnTheWay, FailingWriter, Surroundings, counts, heard, put_batch, received
 
 BEYOND = arrived(batch([900.0] * 5, sequence=105))
 """Behind a gap: samples 100 to 104 are not there."""
@@ -159,7 +159,7 @@ def test_a_pause_is_not_undone_by_what_was_held_before_it(plant: Database) -> No
 def test_a_question_that_cannot_be_answered_stops_nobody(
     router: zenoh.Session, plant: Database, client: zenoh.Session, caplog: pytest.LogCaptureFixture
 ) -> None:
-    ingest = Ingest(router, Confused(plant, Collector()), silence_s=60.0)
+    ingest = Ingest(router, FailingWriter(plant, Collector()), silence_s=60.0)
     with ExitStack() as until:
         ingest.start()
         until.callback(ingest.stop)

@@ -26,8 +26,8 @@ from tests.failing_writes import refuse
 from tests.plant import KEY, arrived, batch, wait_until
 from tests.service.ingest.failing_writers import AWAY, AwayForOne, running
 from tests.service.ingest.plant_network import (
-    Confused,
     DroppedOnTheWay,
+    FailingWriter,
     PublishingEdge,
     counts,
     heard,
@@ -146,7 +146,7 @@ def test_a_message_that_cannot_be_checked_is_put_aside_by_itself(
     router: zenoh.Session, plant: Database, client: zenoh.Session
 ) -> None:
     with ExitStack() as until:
-        ingest = running(router, Confused(plant, Collector()), Submissions(), until)
+        ingest = running(router, FailingWriter(plant, Collector()), Submissions(), until)
         wait_until(lambda: heard(client))
         for number in range(5):
             put_batch(client, 0, 5, machine="pump-9", source=f"source-{number}")

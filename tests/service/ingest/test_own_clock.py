@@ -46,7 +46,7 @@ class Live:
 
     @property
     def is_doubted(self) -> bool:
-        """As warning and figure say it, which must agree."""
+        """Return whether the clock is doubted; warning and figure must agree."""
         while True:  # until nothing has changed between the two
             before = self._figure
             said = any("this machine's clock" in words for words in self.api.value("/health")["warnings"])

@@ -86,7 +86,7 @@ def test_what_the_database_cannot_hold_is_put_aside_and_stops_nothing(
 
 
 @pytest.mark.usefixtures("ingest")
-def test_an_oversized_message_is_told_with_its_size(plant: Database, client: zenoh.Session) -> None:
+def test_an_oversized_message_is_reported_with_its_size(plant: Database, client: zenoh.Session) -> None:
     wait_until(lambda: heard(client))
     size = LARGEST_MESSAGE + 5000
     put(client, bytes(size))

@@ -12,7 +12,7 @@ from storage.database.engine import Database
 from tests.plant import wait_until
 
 
-def test_the_age_of_the_newest_backup_is_told(plant: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_age_of_the_newest_backup_is_reported(plant: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(backup_check, "LOOK_S", 0.02)
     watch = BackupCheck(str(tmp_path / "backups"))
     watch.start()
@@ -23,7 +23,7 @@ def test_the_age_of_the_newest_backup_is_told(plant: Database, tmp_path: Path, m
     watch.stop()
 
 
-def test_where_no_folder_is_named_nothing_is_told() -> None:
+def test_where_no_folder_is_named_nothing_is_reported() -> None:
     watch = BackupCheck("")
     watch.start()
     assert watch.gauges == {}

@@ -65,7 +65,7 @@ def path(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def database(path: Path) -> Iterator[Database]:
-    """It, open."""
+    """The damaged store, open."""
     one = Database(sqlite_url(path))
     yield one
     one.close()
@@ -97,7 +97,7 @@ def test_who_meets_it_is_told_and_the_others_go_on(database: Database, path: Pat
     assert marker_of(path).exists()
 
 
-def test_it_is_told_until_a_check_is_clean_also_behind_a_restart(path: Path, tmp_path: Path) -> None:
+def test_it_is_reported_until_a_check_is_clean_also_behind_a_restart(path: Path, tmp_path: Path) -> None:
     with closing(Database(sqlite_url(path))) as database:
         assert Api(database).get(f"/machines/{HURT}/timeline").status_code == 503
         met = database.damage.trouble

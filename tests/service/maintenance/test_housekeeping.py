@@ -371,7 +371,7 @@ def test_it_runs_in_the_background_and_ends_when_told(plant: Database, writer: P
     assert not one.alive
 
 
-def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_round_that_fails_is_reported_until_one_does_not(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Looks at the disk in between, which succeed, say nothing of retention."""
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
     monkeypatch.setattr(housekeeping, "INTERVAL_S", 1.0)
@@ -400,7 +400,7 @@ class _Elsewhere(WholeShare):
     leading = True
 
     def is_leader(self, work: str) -> bool:  # noqa: ARG002
-        """As told."""
+        """Return what the test has set."""
         return self.leading
 
 

@@ -55,7 +55,7 @@ class Led(WholeShare):
     leading = True
 
     def is_leader(self, work: str) -> bool:  # noqa: ARG002
-        """As told."""
+        """Return what the test has set."""
         return self.leading
 
 
@@ -69,7 +69,7 @@ class AgedStore:
         self.start()
 
     def start(self) -> None:
-        """As after a restart."""
+        """Start it, like a service after a restart."""
         settings = Settings(database=self.database.url, raw_days=MONTH, run_days=MONTH)
         self.housekeeping = Housekeeping(self.database, settings)
 
@@ -215,7 +215,7 @@ def test_what_was_served_before_the_end_counts_after_a_start(store: AgedStore, c
     assert kept[0] == pytest.approx(time.time_ns() - MONTH * DAY_NS, abs=10 * SECOND)
 
 
-def test_what_waits_is_told_by_the_replica_that_leads(
+def test_what_waits_is_reported_by_the_replica_that_leads(
     store: AgedStore, clocks: Clocks, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And the time that another one leads is not counted by this one."""

@@ -175,6 +175,6 @@ def answers(asking: zenoh.Session, key: str) -> list[bytes]:
 
 
 def _put(source: zenoh.Session, key: str, payload: bytes) -> bool:
-    """Until the subscription is known to the source, what it publishes goes nowhere."""
+    """Publish until the subscription is known to the source: what it publishes before goes nowhere."""
     source.put(key, payload)
     return True

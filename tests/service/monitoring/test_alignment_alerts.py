@@ -33,7 +33,7 @@ TRENDED = Derived("bearing.B2.load_vertical", "N", 1000.0, 990.0, 1010.0)
 """Of which the runs have a trend; alerts take loads from models."""
 
 
-class Weeks:
+class FilmWeeks:
     """Run-downs of the motor and compressor, a week apart, each judged as it is filed."""
 
     def __init__(self, database: Database) -> None:
@@ -85,13 +85,13 @@ def sunk(by: float) -> dict[str, float]:
 
 
 @pytest.fixture
-def weeks(plant: Database) -> Weeks:
-    one = Weeks(plant)
+def weeks(plant: Database) -> FilmWeeks:
+    one = FilmWeeks(plant)
     one.file({}, times=BASELINE + 2)
     return one
 
 
-def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(weeks: Weeks) -> None:
+def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(weeks: FilmWeeks) -> None:
     weeks.file(sunk(120e-6), times=1)
     assert weeks.alerts() == []
     weeks.file(sunk(120e-6), times=1)
@@ -112,7 +112,7 @@ def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(week
     assert float(shown[1]) == pytest.approx(-1e6 * change["value"], abs=0.6)
 
 
-def test_loads_of_the_sentence_are_those_of_its_figures_and_of_the_table(weeks: Weeks) -> None:
+def test_loads_of_the_sentence_are_those_of_its_figures_and_of_the_table(weeks: FilmWeeks) -> None:
     """A shaft that sinks hangs in the coupling: its first bearing is relieved, and the other shaft's last one loaded."""
     weeks.file(sunk(300e-6), times=2)
     (alert,) = weeks.alerts()
@@ -139,7 +139,7 @@ def test_loads_of_the_sentence_are_those_of_its_figures_and_of_the_table(weeks: 
             assert part[end] == pytest.approx(table[name]["change"][end], rel=1e-6)
 
 
-def test_beside_a_worn_bearing_alert_table_and_report_tell_the_offset_that_is_there(weeks: Weeks) -> None:
+def test_beside_a_worn_bearing_alert_table_and_report_tell_the_offset_that_is_there(weeks: FilmWeeks) -> None:
     weeks.file(sunk(120e-6) | {"bearing.B2.clearance": 0.15}, times=2)
     by_rule = {one.rule: one for one in weeks.alerts()}
     assert set(by_rule) == {"misalignment", "wear"}
@@ -157,14 +157,14 @@ def test_beside_a_worn_bearing_alert_table_and_report_tell_the_offset_that_is_th
     assert set(fit.causes) == {("misalignment", "coupling.C1"), ("wear", "bearing.B2")}
 
 
-def test_what_is_within_tolerance_is_told_as_a_change(weeks: Weeks) -> None:
+def test_what_is_within_tolerance_is_reported_as_a_change(weeks: FilmWeeks) -> None:
     weeks.file(sunk(20e-6), times=3)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.severity) == ("misalignment", 1)
     assert words_of(alert).startswith("Coupling C1 has changed its alignment: the driven shaft lies ")
 
 
-def test_what_stands_for_months_is_told_since_it_began(weeks: Weeks) -> None:
+def test_what_stands_for_months_is_reported_since_it_began(weeks: FilmWeeks) -> None:
     """The newest runs alone say what is there, all of them since when."""
     weeks.file(sunk(120e-6), times=2)
     (first,) = weeks.alerts()
@@ -174,7 +174,7 @@ def test_what_stands_for_months_is_told_since_it_began(weeks: Weeks) -> None:
     assert words_of(alert).endswith(", against the baseline, since 2024-01-09")
 
 
-def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: Weeks) -> None:
+def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: FilmWeeks) -> None:
     cold = {f"bearing.B{number}.viscosity": 0.45 for number in range(1, 5)}
     weeks.file(cold, times=4)
     assert weeks.alerts() == []
@@ -183,7 +183,7 @@ def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: 
     assert (alert.rule, alert.element) == ("misalignment", "coupling.C1")
 
 
-def test_wear_is_told_in_per_cent_of_the_clearance(weeks: Weeks) -> None:
+def test_wear_is_reported_in_per_cent_of_the_clearance(weeks: FilmWeeks) -> None:
     weeks.file({"bearing.B2.clearance": np.log(1.15)}, times=2)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.element) == ("wear", "bearing.B2")
@@ -191,7 +191,7 @@ def test_wear_is_told_in_per_cent_of_the_clearance(weeks: Weeks) -> None:
     assert re.match(expected, words_of(alert))
 
 
-def test_an_alert_ends_when_the_shaft_is_put_back(weeks: Weeks) -> None:
+def test_an_alert_ends_when_the_shaft_is_put_back(weeks: FilmWeeks) -> None:
     weeks.file(sunk(120e-6), times=2)
     weeks.file({}, times=2)
     assert [one.state for one in weeks.alerts()] == ["returned"]

@@ -23,7 +23,7 @@ def stored(database: Database, balances: list[int | None]) -> list[int]:
     return ids
 
 
-def test_those_by_an_older_release_make_no_baseline_for_new_ones_and_are_told(plant: Database) -> None:
+def test_those_by_an_older_release_make_no_baseline_for_new_ones_and_are_reported(plant: Database) -> None:
     *_, last = stored(plant, [None] * BASELINE + [2])
     with plant.reading() as session:
         row = session.get_one(IdentificationRow, last)
@@ -34,7 +34,7 @@ def test_those_by_an_older_release_make_no_baseline_for_new_ones_and_are_told(pl
     assert found.missing.endswith("identify their runs again")
 
 
-def test_of_named_identifications_those_are_told_whenever_they_were_measured(plant: Database) -> None:
+def test_of_named_identifications_those_are_reported_whenever_they_were_measured(plant: Database) -> None:
     """Others by the older release do not matter: they would not join the baseline if they were identified again."""
     *before, last = stored(plant, [None] * BASELINE + [2])
     with plant.transaction() as session:

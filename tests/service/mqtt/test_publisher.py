@@ -11,11 +11,12 @@ import zenoh
 from service.alerts import transitions as alerting
 from service.alerts.transitions import AlertFinding, Person
 from service.delivery.dispatcher import Dispatcher
-from service.mqtt.publisher import MqttAlerts, RetainedMessage
+from service.mqtt.publisher import MqttAlerts
+from service.mqtt.stored_messages import RetainedMessage
 from service.replication.work_share import WholeShare
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from tests.mosquitto import Listener, Mosquitto, broker
+from tests.mosquitto import BrokerListener, Mosquitto, broker
 from tests.plant import KEY, START, identification, store_identification, wait_until
 from tests.service.mqtt.conftest import settings_of
 
@@ -79,7 +80,7 @@ def test_each_transition_arrives_and_the_last_is_kept(own_broker: Mosquitto, pla
         wait_until(lambda: late.last("rundown/v1/status/rundown") == b"online")
 
 
-def test_last_states_are_told_again_after_a_kill(own_broker: Mosquitto, plant: Database, publishing: MqttAlerts) -> None:
+def test_last_states_are_reported_again_after_a_kill(own_broker: Mosquitto, plant: Database, publishing: MqttAlerts) -> None:
     """The broker forgets what it kept, and an alert changes while it is away."""
     number = raised(plant)
     wait_until(lambda: publishing.gauges["rundown_mqtt_published"] >= 1)
@@ -128,7 +129,7 @@ def stored(plant: Database, number: int) -> int:
         return store_identification(session, identification(), run_id=number, measured_at=START + number * 10**9).id
 
 
-def told_trends(hmi: Listener) -> list[int]:
+def told_trends(hmi: BrokerListener) -> list[int]:
     """Ids of the identifications that a client has received, in order."""
     return [json.loads(one.payload)["identification"] for one in list(hmi.heard) if one.topic == TRENDS]
 
@@ -173,7 +174,7 @@ def test_a_subscription_that_ends_repeats_nothing_and_one_that_is_new_does(own_b
             wait_until(lambda: publisher.trouble is None)
             with plant.transaction() as session:
                 deliveries.disable(session, deliveries.get(session, subscriptions[1]), "by hand")
-            wait_until(lambda: {number for number, _ in publisher._told} == {subscriptions[0]})
+            wait_until(lambda: {number for number, _ in publisher._messages.published_for} == {subscriptions[0]})
             expected = [older[-1], stored(plant, 4)]
             wait_until(lambda: expected[-1] in told_trends(hmi))
             assert told_trends(hmi) == expected

@@ -345,7 +345,7 @@ def test_gap_and_overall_level_are_taken_where_the_document_names_their_metrics(
         ({"gap_unit": "rpm"}, "gap_unit"),
     ],
 )
-def test_a_gap_that_could_not_be_told_is_refused_with_the_document(change: dict[str, Any], words: str) -> None:
+def test_a_gap_that_could_not_be_reported_is_refused_with_the_document(change: dict[str, Any], words: str) -> None:
     with pytest.raises(Invalid, match=re.escape(words)):
         mapped(**change)
 

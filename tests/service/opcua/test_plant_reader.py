@@ -39,7 +39,7 @@ def changed_condition(database: Database, alert: int, condition: str) -> str:
         return before
 
 
-def test_an_event_that_cannot_be_read_is_logged_once_and_named_and_the_others_are_told(
+def test_an_event_that_cannot_be_read_is_logged_once_and_named_and_the_others_are_reported(
     database: Database, ids: tuple[Ids, Ids], caplog: pytest.LogCaptureFixture
 ) -> None:
     unshown = Unshown()
@@ -61,7 +61,7 @@ def test_an_event_that_cannot_be_read_is_logged_once_and_named_and_the_others_ar
 
 
 @pytest.mark.parametrize("evidence", [{"measured_at": "yesterday"}, {"measured_at": 5}, ["of another release"], "none"])
-def test_an_alert_whose_evidence_no_text_takes_is_told_as_it_stands(
+def test_an_alert_whose_evidence_no_text_takes_is_reported_as_it_stands(
     database: Database, ids: tuple[Ids, Ids], evidence: object
 ) -> None:
     """Both when it happens and when a server starts."""

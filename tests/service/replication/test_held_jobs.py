@@ -74,7 +74,7 @@ def test_a_job_that_is_gone_is_nobodys(plant: Database) -> None:
         assert HeldJobs(plant, WholeShare()).own(session, job) is None
 
 
-def test_damage_is_told_of_the_machine(plant: Database) -> None:
+def test_damage_is_reported_for_the_machine(plant: Database) -> None:
     HeldJobs(plant, WholeShare()).fail_unread(taken(plant), "a page", damaged=True)
     assert KEY.machine in (plant.damage.trouble or "")
 

@@ -40,7 +40,7 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
             living.require(session, [KEY.machine])
 
 
-class Confused(LeaseKeeper):
+class FailingKeeper(LeaseKeeper):
     """Meets what nobody expected, until it is told that this is over."""
 
     puzzled = False
@@ -51,10 +51,10 @@ class Confused(LeaseKeeper):
         super()._round()
 
 
-def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_nobody_expected_is_reported_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lease_keeper, "ROUND_S", 0.02)
     plant.claim(shared=True)
-    living = Confused(plant, "all")
+    living = FailingKeeper(plant, "all")
     living.start()
     try:
         living.puzzled = True

@@ -30,8 +30,7 @@ from tests.databases import Databases, opened
 from tests.estimator.alignment.drawn_runs import MODEL
 from tests.paths import ROOT
 from tests.plant import KEY, START
-from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
-from tests.service.monitoring.test_alignment_alerts import sunk
+from tests.service.monitoring.test_alignment_alerts import FilmWeeks, sunk
 from tests.service.monitoring.test_assessment import BASELINE
 from tests.service.monitoring.test_assessment import Weeks as CoefficientWeeks
 
@@ -61,7 +60,7 @@ def contents_of(plant: Database, language: Language, units: ShownUnits = USUAL_U
         return read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE, units=units)
 
 
-def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportContents) -> None:
+def test_every_part_is_reported_with_the_same_figures_as_the_alert(sunken: ReportContents) -> None:
     page = report_html(sunken)
     heads = re.findall(r"<h2>(.*?)</h2>", page)
     assert heads == [
@@ -88,7 +87,7 @@ def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportCon
     assert "No correction is proposed: mend C1 first" in page
 
 
-def test_the_same_is_told_in_german(sunken_plant: Database, sunken: ReportContents) -> None:
+def test_the_same_is_reported_in_german(sunken_plant: Database, sunken: ReportContents) -> None:
     page = report_html(contents_of(sunken_plant, GERMAN))
     assert '<html lang="de">' in page
     assert re.findall(r"<h2>(.*?)</h2>", page) == [
@@ -163,7 +162,7 @@ def test_a_plot_of_10_000_points_stays_small(sunken: ReportContents) -> None:
     assert len(report_html(more)) < 3 * len(report_html(sunken))
 
 
-def test_an_open_alert_is_told_however_many_came_later(sunken_plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_open_alert_is_reported_however_many_came_later(sunken_plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("service.reports.reading.MOST_ALERTS", 0)
     with sunken_plant.reading() as session:
         period = asked_period(START, None, moment=now())

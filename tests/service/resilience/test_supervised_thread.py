@@ -32,7 +32,7 @@ class Counting(SupervisedThread):
             raise self.errors[0]
 
 
-def test_a_turn_that_fails_is_told_until_one_succeeds(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_turn_that_fails_is_reported_until_one_succeeds(caplog: pytest.LogCaptureFixture) -> None:
     away = OperationalError("SELECT", {}, Exception("the server went away"))
     counting = Counting(at_1=away, at_2=LookupError("no such thing"))
     counting.start()

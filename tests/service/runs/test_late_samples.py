@@ -283,7 +283,7 @@ def test_what_comes_when_the_raw_samples_are_gone_is_counted(plant: Database, wr
     assert run.coverage["late_samples_left_out"] == 10
 
 
-def test_a_run_whose_samples_were_let_go_of_has_them_again_when_it_is_made_anew(plant: Database, writer: PromptWriter) -> None:
+def test_a_run_whose_samples_were_let_go_of_has_them_again_when_it_is_rebuilt(plant: Database, writer: PromptWriter) -> None:
     """The raw samples may be kept for longer than those of runs."""
     send(writer, CYCLE, 0, 50)
     send(writer, CYCLE, 60, 120)

@@ -111,7 +111,7 @@ def test_what_is_remembered_is_bounded(rolling: Database, writer: PromptWriter, 
     assert all(len(times) <= 4 for times in now.bins.times)
 
 
-def test_the_other_sense_of_rotation_begins_anew(rolling: Database, writer: PromptWriter) -> None:
+def test_the_other_sense_of_rotation_begins_again(rolling: Database, writer: PromptWriter) -> None:
     speeds = wander(1300)
     send(writer, speeds, 0, 540)
     send(writer, speeds, 540, 1100, direction="negative")

@@ -25,6 +25,16 @@ PATIENT = (1e6, 1e6)
 """A rate that no test reaches."""
 
 
+class Clock:
+    """A clock that a test turns."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
 @dataclass(frozen=True)
 class Filled:
     """A store with two plants. keys: of each role for all plants, `own` and `hidden` ones of an admin of one plant."""

@@ -64,7 +64,7 @@ def refused(issuer: Issuer, keys: Mapping[str, str]) -> dict[str, dict[str, str]
 
 
 def _claims(issuer: Issuer) -> dict[str, object]:
-    """Of an administrator of everything, for ever."""
+    """Return claims of an administrator of everything, without an end."""
     all_of_it = {"rundown_role": "admin", "rundown_plants": "*"}
     return {"iss": issuer.url, "aud": AUDIENCE, "sub": "mallory", "exp": FAR} | all_of_it
 

@@ -62,7 +62,7 @@ class Issuer:
                 self.wfile.write(body)
 
             def log_message(self, format: str, *args: Any) -> None:
-                """Nothing."""
+                """Log nothing."""
 
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), IssuerHandler)
         self.url = f"http://127.0.0.1:{self._server.server_address[1]}"
@@ -82,7 +82,7 @@ class Issuer:
         return {"keys": [public(name, self.keys[name]) for name in self.published]}
 
     def configuration(self) -> dict[str, str]:
-        """As OpenID Connect Discovery has it."""
+        """Return the document that OpenID Connect Discovery asks for."""
         return {
             "issuer": self.url,
             "jwks_uri": f"{self.url}/keys",

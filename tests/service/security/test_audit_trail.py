@@ -151,7 +151,7 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
     assert "holds no note" in rundown("audit", "verify", "--noted-in", __file__, "--database", url).stderr
 
 
-def test_what_is_cut_off_while_no_service_runs_is_told_by_its_log(tmp_path: Path) -> None:
+def test_what_is_cut_off_while_no_service_runs_is_reported_by_its_log(tmp_path: Path) -> None:
     service = Service(tmp_path)
     with closing(Database(service.database)) as database, database.transaction() as session:
         for name in "abcde":
@@ -214,7 +214,7 @@ def test_a_changed_entry_is_found(trail: Database, column: str) -> None:
     assert broken(trail, f"UPDATE audit SET {column} = {changed} WHERE number = 3") == [(3, "was changed")]
 
 
-def test_a_changed_entry_with_its_hash_made_anew_is_found(trail: Database) -> None:
+def test_a_changed_entry_with_its_hash_made_again_is_found(trail: Database) -> None:
     with trail.reading() as session:
         row = audit.newest(session, limit=3)[-1]
         row.who = "mallory"

@@ -28,21 +28,11 @@ from storage.tables.machines import TimelineRow
 from storage.tables.operation import ApiKeyRow
 from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY
-from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api
+from tests.service.security.conftest import PATIENT, Clock, Filled, bearer, opened_api
 from tests.service.security.issuer import AUDIENCE, Issuer, public
 
 ME = f"{PREFIX}/me"
 NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "somebody else"}
-
-
-class Clock:
-    """A clock that a test turns."""
-
-    def __init__(self) -> None:
-        self.now = 1000.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def made(database: Database, role: Role = Role.VIEWER, days: float = 1.0) -> str:

@@ -116,7 +116,7 @@ def test_a_purge_leaves_the_other_plants_entries(api: Api, filled: Filled) -> No
         assert quarantine.counts(session) == {"undecodable": 2}
 
 
-def test_what_one_plant_does_is_told_to_subscriptions_that_it_does_not_see(api: Api, filled: Filled) -> None:
+def test_what_one_plant_does_is_reported_to_subscriptions_that_it_does_not_see(api: Api, filled: Filled) -> None:
     with api.database.transaction() as session:
         central = deliveries.subscribe(session, kind="zenoh", name="centre", target="", secret=None).id
     said = {"by": "anna", "comment": ""}

@@ -22,7 +22,7 @@ def replayed(router: zenoh.Session, question: str = "") -> list[SampleBatch]:
 
 
 def wait_until_asked(router: zenoh.Session) -> None:
-    """Until the router knows the source's log: only then does a query reach it."""
+    """Wait until the router knows the source's log: only then does a query reach it."""
     wait_until(lambda: bool(replayed(router, "limit=1")))
 
 

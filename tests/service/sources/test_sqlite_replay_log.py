@@ -29,7 +29,7 @@ def entry(first: int, count: int = 2, *, payload: bytes = b"x", position: str | 
 
 
 def ignored(_: LogEntry) -> None:
-    """Nothing is sent."""
+    """Send nothing."""
 
 
 def firsts(log: SourceLog, first: int = 0, limit: int = 1000) -> list[int]:

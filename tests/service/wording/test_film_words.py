@@ -34,7 +34,7 @@ def test_an_alarm_says_how_far_how_sure_and_what_is_allowed() -> None:
     assert undetermined_alignment(numbers) == ["the angle is not determined"]
 
 
-def test_lengths_are_told_in_mils_where_the_reader_asked_for_them() -> None:
+def test_lengths_are_reported_in_mils_where_the_reader_asked_for_them() -> None:
     mils = Language("en", "mil")
     assert alignment_words(OFFSET | ANGLE | {"bearing.B3.vertical_um": -80.3}, mils) == (
         "the driven shaft lies 4.7 ± 0.7 mil lower (allowed 1.97 mil at 3600 r/min); it rises more from the coupling on, by "

@@ -37,7 +37,7 @@ def test_numbers_are_written_out(value: float, digits: int, said: str) -> None:
     assert rounded(value, digits) == said
 
 
-def test_an_element_whose_coefficients_change_together_is_told_once() -> None:
+def test_an_element_whose_coefficients_change_together_is_reported_once() -> None:
     parts = [
         {
             "name": "coupling.C1.coefficients",
@@ -65,7 +65,7 @@ def test_an_element_whose_coefficients_change_together_is_told_once() -> None:
     }
 
 
-def test_what_an_older_release_stored_is_told_without_intervals() -> None:
+def test_what_an_older_release_stored_is_reported_without_intervals() -> None:
     told = DescribedFinding("coupling", "coupling.C1", {"quantities": {"coupling.C1.stiffness_per_cent": 12.3}})
     assert element_words(told) == {"size": "stiffness +12 %"}
 
@@ -87,14 +87,14 @@ def test_a_figure_has_its_unit_and_interval(part: SizePart, said: str) -> None:
     assert interval(part) in said
 
 
-def test_angles_are_told_from_0_to_359_degrees_as_in_all_tables() -> None:
+def test_angles_are_reported_from_0_to_359_degrees_as_in_all_tables() -> None:
     numbers = {"change_g_mm": 12.0, "change_deg": -45.4, "before_g_mm": 20.0, "after_g_mm": 30.0}
     told = DescribedFinding("unbalance", "disc.D1", {"quantities": numbers})
     assert unbalance_words(told) == {"size": "12.0 g·mm at 315°, from 20.0 to 30.0 g·mm"}
     assert whole_degrees(359.7) == 0
 
 
-def test_the_face_of_a_coupling_is_told_in_milliradians() -> None:
+def test_the_face_of_a_coupling_is_reported_in_milliradians() -> None:
     numbers = {"offset_um": 12.0, "offset_deg": 359.8, "angle_urad": 250.0, "angle_deg": 90.0}
     told = DescribedFinding("rotating_coupling", "coupling.C1", {"quantities": numbers})
     assert coupling_run_out_words(told) == {"size": "bore by 12 µm at 0° and face by 0.25 mrad at 90°"}

@@ -117,7 +117,7 @@ def test_a_language_tag_may_ask_for_mils(accepted: str, found: str) -> None:
     assert asked_language(accepted, ENGLISH).length_unit == found
 
 
-def test_a_length_is_told_in_the_readers_unit() -> None:
+def test_a_length_is_reported_in_the_readers_unit() -> None:
     assert (ENGLISH.length(79.0), Language("en", "mil").length(79.0), Language("de", "mil").length(79.0)) == (
         "79 µm",
         "3.11 mil",

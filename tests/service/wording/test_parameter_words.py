@@ -24,7 +24,7 @@ from service.wording.parameter_words import parameter_words
         ("critical_speed.1", "critical speed 1", "kritische Drehzahl 1"),
     ],
 )
-def test_a_quantity_is_told_in_words(name: str, english: str, german: str) -> None:
+def test_a_quantity_is_reported_in_words(name: str, english: str, german: str) -> None:
     assert parameter_words(name, ENGLISH) == english
     assert parameter_words(name, GERMAN) == german
 

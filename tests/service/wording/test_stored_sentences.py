@@ -79,7 +79,7 @@ def test_sentences_are_those_that_the_service_stores() -> None:
 
 
 def pieces(fragment: str, text: str) -> int:
-    """Of how many pieces of a text a fragment is put together, each as long as can be: one where it stands there whole."""
+    """Count the pieces of a text that make up a fragment, each as long as can be: one where it stands there whole."""
     words, count = fragment.split(), 0
     while words:
         length = next((one for one in range(len(words), 0, -1) if " ".join(words[:one]) in text), 1)
@@ -87,7 +87,7 @@ def pieces(fragment: str, text: str) -> int:
     return count
 
 
-def test_comments_of_the_service_are_told_in_a_language_and_reasons_of_people_as_they_were_given() -> None:
+def test_comments_of_the_service_are_reported_in_a_language_and_reasons_of_people_as_they_were_given() -> None:
     assert comment_in_language("its cause is gone", GERMAN) == "die Ursache ist entfallen"
     assert comment_in_language("its time is over", GERMAN) == "die Zeit ist abgelaufen"
     said = comment_in_language("a new baseline begins: bearing B1 and coupling renewed; aligned", GERMAN)

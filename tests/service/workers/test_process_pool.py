@@ -69,7 +69,7 @@ def test_modules_of_the_tasks_are_imported_before_the_first(tasks: list[Callable
         made.shutdown()
 
 
-def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> None:
+def test_work_is_done_in_two_processes_and_errors_are_reported(two: ProcessPool) -> None:
     here = [two.submit(10.0, os.getpid) for _ in range(6)]
     assert os.getpid() not in {future.result(SOON_S) for future in here}
     assert two.submit(10.0, bytes, 3_000_000).result(SOON_S) == bytes(3_000_000)

@@ -16,18 +16,18 @@ def paused_s(pacing: Pacing, steps: int) -> float:
 
 def test_each_step_pauses_until_the_cycle_has_no_time_left_for_it() -> None:
     pacing = Pacing()
-    pacing.begin(hurried=False)
+    pacing.begin(without_pauses=False)
     assert paused_s(pacing, 10) >= 10 * PAUSE_S
     paused_s(pacing, round(LONGEST_S / PAUSE_S))
     assert paused_s(pacing, 100) < 10 * PAUSE_S
-    pacing.begin(hurried=False)
+    pacing.begin(without_pauses=False)
     assert paused_s(pacing, 10) >= 10 * PAUSE_S
 
 
 def test_a_backlog_is_worked_off_without_pauses() -> None:
     pacing = Pacing()
     assert paused_s(pacing, 100) < 10 * PAUSE_S
-    pacing.begin(hurried=True)
+    pacing.begin(without_pauses=True)
     assert paused_s(pacing, 100) < 10 * PAUSE_S
 
 
@@ -41,7 +41,7 @@ def test_pauses_that_take_longer_than_meant_are_fewer(monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(time, "sleep", oversleep)
     pacing = Pacing()
-    pacing.begin(hurried=False)
+    pacing.begin(without_pauses=False)
     with pacing.in_transaction():
         paused_s(pacing, 100)
     assert len(pauses) == 1, "one takes all the time that a transaction has for it"
@@ -53,7 +53,7 @@ def test_a_transaction_has_less_time_for_pauses_and_the_cycle_keeps_the_rest() -
     in_transaction = []
     for _ in range(5):  # whose thread loses its processor on the way pauses longer than it meant to
         pacing = Pacing()
-        pacing.begin(hurried=False)
+        pacing.begin(without_pauses=False)
         with pacing.in_transaction():
             in_transaction.append(paused_s(pacing, 100))
         assert paused_s(pacing, 10) >= 10 * PAUSE_S

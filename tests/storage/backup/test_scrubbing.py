@@ -34,7 +34,7 @@ def path(stores: Stores, tmp_path: Path) -> Path:
     return path
 
 
-def test_a_file_is_written_anew_without_what_was_deleted(path: Path) -> None:
+def test_a_file_is_written_again_without_what_was_deleted(path: Path) -> None:
     with closing(Database(sqlite_url(path))) as database:
         scrub(database)
         assert MARK.encode() not in path.read_bytes()

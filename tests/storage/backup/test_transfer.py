@@ -230,7 +230,7 @@ OLD_TARGETS = ("/api/v1/machines/a\0b", "C:\\x00 \0", "\\\0\\\\", "C:\\x00")
 
 
 def audited(database: Database, *targets: str, who: str = "anna") -> None:
-    """As a release wrote it that let every character in."""
+    """Write the audit trail like a release that let every character in."""
     with database.transaction() as session:
         for target in targets:
             number, before = audit.head(session)

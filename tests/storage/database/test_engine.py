@@ -33,7 +33,7 @@ def tables(database: Database) -> set[str]:
 
 
 def other_default(*found: Any) -> bool | None:
-    """Of JSON, PostgreSQL compares nothing; elsewhere Alembic's own comparison."""
+    """Compare defaults of JSON here, as PostgreSQL cannot; leave all others to Alembic."""
     _, inspected_column, _, inspected, _, rendered = found
     if isinstance(inspected_column.type, JSON) and inspected is not None:
         return bool(inspected.removesuffix("::json").strip("'") != rendered.strip("'"))

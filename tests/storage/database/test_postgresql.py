@@ -119,6 +119,6 @@ def test_a_restore_that_fails_leaves_what_was_there(plant: Database, tmp_path: P
 
 
 def end_connections(database: Database, server: PostgresServer) -> None:
-    """As a restart of the server does."""
+    """End all connections, like a restart of the server."""
     name = database.engine.url.database
     server.execute(f"SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = '{name}'")

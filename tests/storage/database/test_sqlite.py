@@ -36,7 +36,7 @@ def database(tmp_path: Path) -> Iterator[Database]:
 
 @pytest.fixture
 def plant(database: Database) -> Database:
-    """With the machine of `tests.plant`."""
+    """A database with the machine of `tests.plant`."""
     with database.transaction() as session:
         machines.create(session, machine())
     return database

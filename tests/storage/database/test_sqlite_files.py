@@ -51,7 +51,7 @@ def in_the_file_alone(folder: Path) -> list[str]:
 
 
 def replaced(file: Path) -> None:
-    """By a copy of it."""
+    """Replace the file by a copy of it."""
     shutil.copy(file, file.with_name("copy"))
     file.with_name("copy").replace(file)
 
@@ -259,7 +259,7 @@ def test_a_page_of_the_log_that_is_the_newest_takes_the_store_back_to_before_it(
 
 
 def written_over(file: Path, by: Path) -> None:
-    """As `cp` does: in place, and not at once."""
+    """Overwrite the file like `cp`: in place, and not at once."""
     with file.open("wb") as target, by.open("rb") as source:
         while piece := source.read(65_536):
             target.write(piece)
@@ -407,7 +407,7 @@ def test_checkpoints_of_every_kind_are_no_cut(database: Database, tmp_path: Path
         database.check()
 
 
-def test_a_log_that_grows_and_is_begun_anew_while_others_look_is_whole(database: Database) -> None:
+def test_a_log_that_grows_and_is_begun_again_while_others_look_is_whole(database: Database) -> None:
     """SQLite makes a checkpoint of its own after a thousand pages."""
     stop, troubles = threading.Event(), []
 

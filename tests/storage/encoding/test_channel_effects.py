@@ -14,7 +14,7 @@ from storage.encoding import channel_effects
 
 @pytest.fixture
 def effects() -> ChannelEffects:
-    """Of a fit of 5 coordinates, 3 errors in 2 channels."""
+    """Effects of 3 errors in 2 channels on a fit of 5 coordinates."""
     random = np.random.default_rng(7)
     return ChannelEffects(
         names=("probe.Ä.gain.real", "probe.Ä.gain.imaginary", "probe.B.run_out.real"),

@@ -28,7 +28,7 @@ def near(problem: FitProblem, seed: int) -> Floats:
     return problem.coordinates.centre + 0.05 * np.random.default_rng(seed).standard_normal(problem.coordinates.size)
 
 
-def test_what_is_remembered_is_what_is_computed_anew() -> None:
+def test_what_is_remembered_is_what_is_computed_again() -> None:
     problem, theta = problem_of(), near(problem_of(), 1)
     weight = problem.weight(problem.first_amplitude, 0.05)
     problem.linearised(near(problem, 2), weight)

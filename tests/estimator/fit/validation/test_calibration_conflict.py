@@ -94,7 +94,7 @@ def test_gains_that_drift_as_far_as_is_allowed_for_are_accepted_with_intervals_t
 
 
 @pytest.mark.parametrize("place", range(4))
-def test_a_chain_that_has_changed_is_told_from_the_others_with_its_new_gain(kit: Kit, place: int) -> None:
+def test_a_chain_that_has_changed_is_distinguished_from_the_others_with_its_new_gain(kit: Kit, place: int) -> None:
     gains = [1.0] * 4
     gains[place] = 1.3
     found = kit.later(kit.plant.trial(1), gains=gains)

@@ -116,5 +116,5 @@ def test_a_stable_train_is_accepted_as_before() -> None:
     assert "physically" not in found.verdict
 
 
-def test_a_mode_that_does_not_oscillate_is_told_in_its_own_words() -> None:
+def test_a_mode_that_does_not_oscillate_is_reported_in_its_own_words() -> None:
     assert "leaves its bearings" in LeastDampedMode(100.0, 3.0 + 0.0j).words

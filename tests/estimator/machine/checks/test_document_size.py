@@ -159,7 +159,7 @@ def test_all_together_is_bounded() -> None:
     assert "fewer unknowns or fewer probes" in told
 
 
-def test_what_is_wrong_beside_the_size_is_told_first() -> None:
+def test_what_is_wrong_beside_the_size_is_reported_first() -> None:
     document = sliced(200, shafts=20)
     document["bearings"][0]["shaft"] = "nowhere"
     assert list(refused(document)) == ["bearings[0].shaft"]

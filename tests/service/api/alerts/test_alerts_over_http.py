@@ -72,7 +72,7 @@ def test_an_alert_is_acknowledged_and_its_history_says_by_whom(plant: Database, 
     assert api.get(f"/alerts/{alert}").json()["state"] == "normal"
 
 
-def test_alerts_are_told_in_the_language_of_who_asks(plant: Database, api: httpx.Client) -> None:
+def test_alerts_are_reported_in_the_language_of_who_asks(plant: Database, api: httpx.Client) -> None:
     alert = raised(plant)
     german = {"accept-language": "de-DE,de;q=0.9,en;q=0.5"}
     for path in ("/alerts", "/machines/pump-7/alerts"):
@@ -95,7 +95,7 @@ def test_alerts_are_told_in_the_language_of_who_asks(plant: Database, api: httpx
     assert (answer.status_code, answer.json()["message"]) == (200, "Misalignment of coupling C1")
 
 
-def test_what_the_service_wrote_into_a_history_is_told_in_the_language_and_what_people_wrote_is_not(
+def test_what_the_service_wrote_into_a_history_is_reported_in_the_language_and_what_people_wrote_is_not(
     plant: Database, api: httpx.Client
 ) -> None:
     alert = raised(plant)
@@ -289,7 +289,7 @@ def test_a_target_in_a_network_that_the_operator_names_is_taken(plant: Database)
 # --- the stream -----------------------------------------------------------------------------------------------------
 
 
-class Listener:
+class StreamListener:
     """A client of the stream in a thread of its own."""
 
     def __init__(self, api: httpx.Client, **how: Any) -> None:
@@ -329,10 +329,10 @@ class Listener:
 def test_the_stream_tells_what_happens_and_repeats_what_was_missed(plant: Database, api: httpx.Client) -> None:
     raised(plant, "coupling.C0")
     raised(plant, "coupling.C1")
-    late = Listener(api, headers={"Last-Event-ID": "1"})
+    late = StreamListener(api, headers={"Last-Event-ID": "1"})
     wait_until(lambda: late.ids() == [2])
     late.close()
-    everything = Listener(api, params={"after": 0})
+    everything = StreamListener(api, params={"after": 0})
     wait_until(lambda: everything.ids() == [1, 2])
     everything.close()
     assert [one["element"] for _, one in everything.events] == ["coupling.C0", "coupling.C1"]
@@ -340,7 +340,7 @@ def test_the_stream_tells_what_happens_and_repeats_what_was_missed(plant: Databa
 
 def test_the_stream_is_live(plant: Database, api: httpx.Client) -> None:
     raised(plant, "coupling.C0")
-    live = Listener(api)
+    live = StreamListener(api)
     raised(plant, "coupling.C1")
     wait_until(lambda: live.ids() == [2], seconds=5.0)
     live.close()
@@ -352,7 +352,7 @@ def test_the_stream_begins_with_the_number_behind_which_it_begins(plant: Databas
     assert b"\nid: 0\n" in greeting(plant, 0)
 
 
-def test_a_number_that_no_event_has_reached_is_of_another_store_and_the_stream_begins_anew(plant: Database) -> None:
+def test_a_number_that_no_event_has_reached_is_of_another_store_and_the_stream_begins_again(plant: Database) -> None:
     raised(plant, "coupling.C0")
     assert b"there is no event 500:" in greeting(plant, 500)
     live = greeting(plant, 500, then=lambda: raised(plant, "coupling.C1"))
@@ -377,7 +377,7 @@ def greeting(plant: Database, after: int | None, *, then: Callable[[], object] |
     return asyncio.run(scenario())
 
 
-class Confused(Broadcaster):
+class FailingBroadcaster(Broadcaster):
     """Meets what nobody expected, until it is told that this is over."""
 
     puzzled = False
@@ -388,12 +388,12 @@ class Confused(Broadcaster):
         return super()._read(after)
 
 
-def test_what_nobody_expected_ends_no_stream_and_is_told_of_until_it_is_over(
+def test_what_nobody_expected_ends_no_stream_and_is_reported_until_it_is_over(
     plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(event_stream, "RETRY_S", 0.02)
     api = Api(plant)
-    broadcaster = api.app.state.broadcaster = Confused(plant)
+    broadcaster = api.app.state.broadcaster = FailingBroadcaster(plant)
 
     async def until(trouble: bool) -> None:
         deadline = time.monotonic() + 10.0
@@ -440,7 +440,7 @@ def test_who_joins_while_nobody_reads_takes_no_event_from_who_was_there(plant: D
     assert asyncio.run(scenario()).startswith(b"id: 1\nevent: alert\n")
 
 
-def test_an_event_that_cannot_be_told_stops_none_behind_it(plant: Database) -> None:
+def test_an_event_that_cannot_be_reported_stops_none_behind_it(plant: Database) -> None:
     raised(plant, "coupling.C0")
     with plant.transaction() as session:
         session.execute(text("UPDATE alert_events SET severity = 9"))  # there is no such severity

@@ -195,7 +195,7 @@ def test_what_nobody_waits_for_is_not_computed(ask: AskedCache) -> None:
     assert ask.made == ["first", "shared"]
 
 
-def test_an_error_is_told_to_all_who_wait_and_not_kept(ask: AskedCache) -> None:
+def test_an_error_is_reported_to_all_who_wait_and_not_kept(ask: AskedCache) -> None:
     wrong = [ask("wrong", caller="somebody") for _ in range(3)]
     wait_until(lambda: ask.cache.waiting == 2)
     ask.finish.set()

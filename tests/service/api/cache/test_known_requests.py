@@ -12,7 +12,7 @@ from service.api.cache.response_cache import ResponseCache
 from service.security.principal import OPEN, Principal
 from service.security.role import Role
 from storage.database.engine import Database
-from tests.service.api.cache.test_response_cache import TABLES, Counted, asked, create
+from tests.service.api.cache.test_response_cache import TABLES, CountingApp, asked, create
 
 ASKED: ResponseKey = ("/x", b"", None, False, None, None)
 
@@ -34,7 +34,7 @@ def needs_counts(database: Database) -> None:
 
 def test_a_request_is_answered_at_once_until_something_is_committed(database: Database) -> None:
     needs_counts(database)
-    make = Counted()
+    make = CountingApp()
 
     async def story() -> list[bytes | None]:
         cache = ResponseCache(database)
@@ -54,7 +54,7 @@ def test_others_are_not_answered_with_it(database: Database) -> None:
 
     async def story() -> list[bytes | None]:
         cache = ResponseCache(database)
-        await cache.answer(of_plants(asked(accept_language="de"), "mill"), TABLES, Counted())
+        await cache.answer(of_plants(asked(accept_language="de"), "mill"), TABLES, CountingApp())
         others = (
             asked(accept_language="de"),
             of_plants(asked(accept_language="de"), "orchard"),
@@ -76,7 +76,7 @@ def test_what_changes_with_every_sample_is_as_new_as_when_it_is_routed(
 
     async def story() -> list[bytes | None]:
         cache = ResponseCache(database)
-        await cache.answer(asked(), ("alerts",), Counted(), lately=TABLES)
+        await cache.answer(asked(), ("alerts",), CountingApp(), lately=TABLES)
         found = [current(cache, asked())]
         await asyncio.to_thread(create, database, "a")
         return [*found, current(cache, asked())]

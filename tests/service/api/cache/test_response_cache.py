@@ -11,7 +11,7 @@ from fastapi import Request, Response
 
 from service.api.cache import response_cache
 from service.api.cache.response_cache import LARGEST_KEPT_BYTES, MAXIMUM_CACHE_BYTES, THREADS, ResponseCache
-from service.api.conventions.request_places import NobodyWaits
+from service.api.conventions.request_places import ClientDisconnected
 from service.security.principal import OPEN, Principal
 from service.security.role import Role
 from storage.database.engine import Database
@@ -27,7 +27,7 @@ def asked(path: str = "/x", **headers: str) -> Request:
     return Request(about | {"state": {"principal": OPEN}})
 
 
-class Counted:
+class CountingApp:
     """Answers with how often it was asked; `meanwhile` is done before it answers."""
 
     def __init__(self, size: int = 1, meanwhile: Callable[[], Any] = lambda: None) -> None:
@@ -48,7 +48,7 @@ def create(database: Database, name: str) -> None:
 
 
 def test_an_answer_is_kept_until_something_is_committed_that_bears_on_it(database: Database) -> None:
-    make = Counted()
+    make = CountingApp()
 
     async def story() -> list[bytes]:
         cache, found = ResponseCache(database), []
@@ -72,7 +72,7 @@ def test_an_answer_is_kept_until_something_is_committed_that_bears_on_it(databas
 
 
 def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    make = Counted()
+    make = CountingApp()
 
     async def story() -> list[bytes]:
         cache, found = ResponseCache(database), []
@@ -96,10 +96,10 @@ def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database,
     assert asyncio.run(story()) == expected
 
 
-def test_what_is_a_little_behind_is_made_anew_while_nobody_waits(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_a_little_behind_is_rebuilt_while_nobody_waits(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     go_on = threading.Event()
     go_on.set()
-    make = Counted(meanwhile=lambda: go_on.wait(10))
+    make = CountingApp(meanwhile=lambda: go_on.wait(10))
     monkeypatch.setattr(response_cache, "LATELY_S", 3600.0)
     monkeypatch.setattr(response_cache, "AHEAD_S", 0.0)
 
@@ -124,14 +124,14 @@ def test_what_is_a_little_behind_is_made_anew_while_nobody_waits(database: Datab
     assert make.made == 2
 
 
-def test_what_goes_wrong_while_nobody_waits_is_told_to_who_asks_next(
+def test_what_goes_wrong_while_nobody_waits_is_reported_to_who_asks_next(
     database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail() -> None:
         if make.made > 1:
             raise ValueError("it cannot be made")
 
-    make = Counted(meanwhile=fail)
+    make = CountingApp(meanwhile=fail)
     monkeypatch.setattr(response_cache, "AHEAD_S", 0.0)
 
     async def story() -> None:
@@ -150,7 +150,7 @@ def test_what_goes_wrong_while_nobody_waits_is_told_to_who_asks_next(
 
 
 def test_what_is_committed_while_an_answer_is_made_is_in_the_next_one(database: Database) -> None:
-    make = Counted(meanwhile=lambda: create(database, f"m{make.made}"))
+    make = CountingApp(meanwhile=lambda: create(database, f"m{make.made}"))
 
     async def story() -> list[bytes]:
         cache = ResponseCache(database)
@@ -161,7 +161,7 @@ def test_what_is_committed_while_an_answer_is_made_is_in_the_next_one(database: 
 
 def test_what_many_ask_at_once_is_made_once_and_none_goes_without_it(database: Database) -> None:
     go_on = threading.Event()
-    make = Counted(meanwhile=lambda: go_on.wait(10))
+    make = CountingApp(meanwhile=lambda: go_on.wait(10))
 
     async def story() -> list[bytes]:
         cache = ResponseCache(database)
@@ -176,7 +176,7 @@ def test_what_many_ask_at_once_is_made_once_and_none_goes_without_it(database: D
 
 
 def test_what_differs_in_what_it_depends_on_is_made_apart(database: Database) -> None:
-    make = Counted()
+    make = CountingApp()
 
     async def story() -> int:
         cache = ResponseCache(database)
@@ -188,7 +188,7 @@ def test_what_differs_in_what_it_depends_on_is_made_apart(database: Database) ->
     assert asyncio.run(story()) == 5
 
 
-def test_an_error_is_told_and_not_kept(database: Database) -> None:
+def test_an_error_is_reported_and_not_kept(database: Database) -> None:
     def wrong() -> Response:
         raise ValueError("no")
 
@@ -196,13 +196,13 @@ def test_an_error_is_told_and_not_kept(database: Database) -> None:
         cache = ResponseCache(database)
         with pytest.raises(ValueError, match="no"):
             await cache.answer(asked(), TABLES, wrong)
-        assert (await cache.answer(asked(), TABLES, Counted())).body == b"1"
+        assert (await cache.answer(asked(), TABLES, CountingApp())).body == b"1"
 
     asyncio.run(story())
 
 
 def test_memory_is_bounded(database: Database) -> None:
-    huge, large = Counted(LARGEST_KEPT_BYTES + 1), Counted(LARGEST_KEPT_BYTES // 2)
+    huge, large = CountingApp(LARGEST_KEPT_BYTES + 1), CountingApp(LARGEST_KEPT_BYTES // 2)
     many = 2 * MAXIMUM_CACHE_BYTES // (LARGEST_KEPT_BYTES // 2)
 
     async def story() -> None:
@@ -221,7 +221,7 @@ def test_memory_is_bounded(database: Database) -> None:
 
 
 def test_large_answers_are_compressed_for_who_takes_it(database: Database) -> None:
-    make = Counted(5000)
+    make = CountingApp(5000)
 
     async def story() -> tuple[Response, Response]:
         cache = ResponseCache(database)
@@ -258,7 +258,7 @@ class BusyCallers:
         await asyncio.sleep(0.5)  # until all are in the queue, on PostgreSQL and a busy machine, too
         self.go_on.set()
         found = await asyncio.gather(*self._tasks, return_exceptions=True)
-        return [place for place, one in enumerate(found[THREADS:]) if isinstance(one, NobodyWaits)]
+        return [place for place, one in enumerate(found[THREADS:]) if isinstance(one, ClientDisconnected)]
 
     async def no_thread_is_free(self) -> None:
         """Wait until all threads are busy: on PostgreSQL, who asks first does not begin first."""

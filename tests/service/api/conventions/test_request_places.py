@@ -9,7 +9,7 @@ import pytest
 from anyio.to_thread import current_default_thread_limiter
 
 from service.api.application import THREADS
-from service.api.conventions.request_places import NobodyWaits, RequestPlaces
+from service.api.conventions.request_places import ClientDisconnected, RequestPlaces
 from service.security import api_keys
 from service.security.configuration import Security
 from service.security.role import Role
@@ -111,7 +111,7 @@ def test_what_nobody_waits_for_any_more_is_not_begun_and_takes_no_place() -> Non
         await asyncio.sleep(0)
         await held.aclose()
         outcomes = await asyncio.gather(*waiting, return_exceptions=True)
-        assert [type(one) for one in outcomes] == [NobodyWaits, type(None), NobodyWaits]
+        assert [type(one) for one in outcomes] == [ClientDisconnected, type(None), ClientDisconnected]
         await one("d", always)  # it needs not wait: nobody looks
         return order
 

@@ -17,7 +17,7 @@ TAKING_UNITS = ["/runs/1/phasors", f"/machines/{KEY.machine}/samples", f"/machin
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a machine with a run and some identifications."""
+    """An API over a machine with a run and some identifications."""
     with plant.transaction() as session:
         run = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START)
         held = samples(RUN, start=START, rpm=sweep_rpm(2900.0, 400.0, RUN))
@@ -131,7 +131,7 @@ def test_units_that_are_none_are_refused(api: Api, path: str, units: str) -> Non
 
 
 @pytest.mark.parametrize("path", TAKING_UNITS)
-def test_units_in_several_parameters_are_refused_lest_only_the_last_counts(api: Api, path: str) -> None:
+def test_units_in_several_parameters_are_refused_as_only_the_last_would_count(api: Api, path: str) -> None:
     answer = api.get(path, units=["rpm", "hz"], **also(path))
     assert fields(answer) == ["query.units"]
     assert answer.json()["errors"][0]["message"].endswith("give it once, with commas between: units=rpm,hz")

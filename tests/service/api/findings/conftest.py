@@ -22,7 +22,7 @@ from tests.service.api.findings.modelled import COUNT, LEFT_OUT, MAXIMUM_RPM, NO
 
 @pytest.fixture(scope="module")
 def modelled(databases: Databases, plant_template: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
-    """Over two identifications: one of a stored run that the model made, with its noise, and one of a run that is gone."""
+    """An API over two identifications: one of a stored run that the model made, with noise, and one of a deleted run."""
     names, point, covariance = values()
     speed = np.linspace(rpm_to_rad_per_s(2900.0), rpm_to_rad_per_s(400.0), COUNT)
     turning = np.ones(COUNT)

@@ -51,7 +51,7 @@ def file(database: Database, week: int, point: Floats, *, run_kind: str = "run-d
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a baseline of aligned runs, and one after it in which the driven shaft has risen."""
+    """An API over a baseline of aligned runs, and one after it in which the driven shaft has risen."""
     with plant.transaction() as session:
         machines.create(session, MACHINE)
     for week in range(1, BASELINE + 1):
@@ -71,7 +71,7 @@ def assert_same(told: dict[str, Any], expected: Derived) -> None:
         assert told[field] == (None if number is None else pytest.approx(number, rel=1e-6))
 
 
-def test_alignment_is_told_with_its_change_against_the_baseline(api: Api) -> None:
+def test_alignment_is_reported_with_its_change_against_the_baseline(api: Api) -> None:
     found = api.value(f"/machines/{MACHINE.id}/alignment")
     assert (found["identification"], found["missing"]) == (BASELINE + 1, None)
     assert found["baseline"]["identifications"] == [1, 2, 3, 4, 5]
@@ -98,7 +98,7 @@ def test_without_a_baseline_there_is_no_change_and_it_is_said(api: Api) -> None:
     assert found["numbers"][0]["absolute"]["value"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_hot_and_cold_runs_are_told_against_targets_of_their_own(api: Api) -> None:
+def test_hot_and_cold_runs_are_reported_against_targets_of_their_own(api: Api) -> None:
     assert {one["target"] for one in api.value(f"/machines/{MACHINE.id}/alignment")["numbers"]} == {None}
     target = {"coupling": "C1", "left_cold": {"offset_vertical": -100e-6, "angle_vertical": 0.0}}
     target["growth"] = {"offset_vertical": 120e-6}

@@ -36,7 +36,7 @@ def api(plant: Database) -> Iterator[httpx.Client]:
         yield client
 
 
-class Weeks:
+class WeeklyIdentifications:
     """Identifications a week apart, numbered from 1."""
 
     def __init__(self, plant: Database) -> None:
@@ -84,7 +84,7 @@ def by(key: str, rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
 
 
 def test_deviations_are_those_of_the_estimator_with_the_limits_they_reach(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE)
     weeks.file(STIFFER | {"bearing.B2.kxx": 1.02, "disc.D1.unbalance": 3.0})
     found = asked(api, "/deviations")
@@ -113,7 +113,7 @@ def test_deviations_are_those_of_the_estimator_with_the_limits_they_reach(plant:
 
 
 def test_deviations_are_measured_by_the_machines_own_limits(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE)
     weeks.file({"bearing.B2.kxx": 1.2, "bearing.B3.kxx": 1.2})
     lenient = {"elements": {"bearing.B2": {"bearing": {"alert": {"per_cent": 50}}}}}
@@ -124,7 +124,7 @@ def test_deviations_are_measured_by_the_machines_own_limits(plant: Database, api
 
 
 def test_what_is_not_compared_is_said_with_the_reason(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE - 1)
     weeks.file(unknown=("coupling.C1.kxx",))
     weeks.file(unknown=("bearing.B2.cxx",))
@@ -138,7 +138,7 @@ def test_what_is_not_compared_is_said_with_the_reason(plant: Database, api: http
 
 def test_nothing_is_compared_before_the_baseline_is_complete(plant: Database, api: httpx.Client) -> None:
     assert "of machine 'pump-7' was accepted yet" in refused(api.get("/deviations"), 404)
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=2)
     for path in ("/deviations", "/trend-tests"):
         assert asked(api, path)["missing"] == "the baseline has 2 of 5 identifications"
@@ -150,7 +150,7 @@ def test_nothing_is_compared_before_the_baseline_is_complete(plant: Database, ap
 
 
 def test_an_older_identification_is_compared_as_it_was_then(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE)
     weeks.file(STIFFER)
     weeks.file(times=3)
@@ -161,7 +161,7 @@ def test_an_older_identification_is_compared_as_it_was_then(plant: Database, api
 
 
 def test_after_a_maintenance_the_new_baseline_is_used(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE)
     since = START + weeks.count * WEEK + WEEK // 2
     with plant.transaction() as session:
@@ -177,14 +177,14 @@ def test_after_a_maintenance_the_new_baseline_is_used(plant: Database, api: http
 
 
 def test_like_is_compared_with_like(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE)
     weeks.file(kind="run-up")
     assert asked(api, "/deviations")["missing"] == "the baseline has 1 of 5 identifications"
 
 
 def test_a_step_is_dated_and_its_element_too(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE + 3)
     weeks.file(STIFFER, times=2)
     found = asked(api, "/trend-tests", parameter=["coupling.C1.kxx", "bearing.B1.kxx"], element="coupling.C1")
@@ -202,7 +202,7 @@ def test_a_step_is_dated_and_its_element_too(plant: Database, api: httpx.Client)
 
 def test_a_drift_says_when_it_will_reach_the_limits(plant: Database, api: httpx.Client) -> None:
     """0.4 % a week since the baseline, which stands at 4 % after ten weeks; 5 % and 25 % are the default limits."""
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE)
     for week in range(1, 11):
         weeks.file({"bearing.B2.kxx": 1.004**week})
@@ -219,7 +219,7 @@ def test_a_drift_says_when_it_will_reach_the_limits(plant: Database, api: httpx.
 
 
 def test_without_a_choice_everything_is_tested(plant: Database, api: httpx.Client) -> None:
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     weeks.file(times=BASELINE + 1)
     weeks.file(unknown=("bearing.B2.cxx",))
     found = asked(api, "/trend-tests")
@@ -233,7 +233,7 @@ def test_without_a_choice_everything_is_tested(plant: Database, api: httpx.Clien
 
 
 def test_derived_quantities_are_not_tested_and_the_answer_says_why(plant: Database, api: httpx.Client) -> None:
-    Weeks(plant).file(times=BASELINE + 1)
+    WeeklyIdentifications(plant).file(times=BASELINE + 1)
     names = ["critical_speed.1", "coupling.C1.misalignment_force", "critical_speed.N"]
     found = asked(api, "/trend-tests", parameter=names)
     derived = "derived from the parameters: trend tests are of identified parameters and of elements"
@@ -247,7 +247,7 @@ def test_runs_are_compared_as_under_the_baselines_conditions(plant: Database, ap
     oil = Condition(name="oil", unit="degC")
     with plant.transaction() as session:
         machines.revise(session, machine(conditions=[oil.model_dump()]))
-    weeks = Weeks(plant)
+    weeks = WeeklyIdentifications(plant)
     temperatures = [30.0, 40.0, 60.0, 70.0, 50.0, 80.0]
     for temperature in temperatures:
         weeks.file({"bearing.B2.kxx": float(np.exp(-0.003 * (temperature - 50.0)))}, revision=2)
@@ -273,7 +273,7 @@ def test_runs_are_compared_as_under_the_baselines_conditions(plant: Database, ap
 
 
 def test_what_cannot_be_compared_is_refused(plant: Database, api: httpx.Client) -> None:
-    Weeks(plant).file(scope=jobs.GATHERED)
+    WeeklyIdentifications(plant).file(scope=jobs.GATHERED)
     with plant.reading() as session:
         (gathered,) = session.query(IdentificationRow).all()
     for path in ("/deviations", "/trend-tests"):

@@ -16,7 +16,7 @@ NEWEST = f"/machines/{KEY.machine}/diagnosis"
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a machine whose coupling goes out of alignment."""
+    """An API over a machine whose coupling goes out of alignment."""
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE)

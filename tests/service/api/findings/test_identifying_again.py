@@ -107,28 +107,30 @@ def test_nothing_is_put_in_force_where_its_identifications_may_not_wait(plant: D
 
 def test_the_same_is_asked_for_a_hundred_times_in_few_questions_each(plant: Database, pump: Api) -> None:
     (run,) = pump("GET", "/machines/pump-7/runs")
-    asker, wanted = job_options.Requester("anna"), job_options.Request(seed=4)
+    requester, wanted = job_options.Requester("anna"), job_options.Request(seed=4)
     numbers = []
     for _ in range(100):
         with plant.transaction() as session:
-            row = job_options.request_identification(session, run["id"], wanted, asker)
+            row = job_options.request_identification(session, run["id"], wanted, requester)
             jobs.finish(row, state=jobs.DONE)
             numbers.append((row.options or {}).get("again", 0))
     assert numbers == list(range(100))
     questions: list[str] = []
     event.listen(plant.engine, "before_cursor_execute", lambda *args: questions.append(args[2]))
     with plant.transaction() as session:
-        job_options.request_identification(session, run["id"], wanted, asker)
+        job_options.request_identification(session, run["id"], wanted, requester)
     assert len(questions) < 40
 
 
 def test_who_sees_one_plant_asks_in_the_same_order_and_quota(plant: Database, pump: Api) -> None:
     (run,) = pump("GET", "/machines/pump-7/runs")
     with PlantScope(plant, frozenset({KEY.plant})).transaction() as session:
-        asker = job_options.Requester("anna", JobQuota(1, 9))
-        assert job_options.request_identification(session, run["id"], job_options.Request(seed=4), asker).plant == KEY.plant
+        requester = job_options.Requester("anna", JobQuota(1, 9))
+        assert (
+            job_options.request_identification(session, run["id"], job_options.Request(seed=4), requester).plant == KEY.plant
+        )
         with pytest.raises(QuotaExceeded):
-            job_options.request_identification(session, run["id"], job_options.Request(seed=5), asker)
+            job_options.request_identification(session, run["id"], job_options.Request(seed=5), requester)
 
 
 def test_an_old_run_is_identified_again_without_its_slow_roll(train: tuple[Database, int]) -> None:

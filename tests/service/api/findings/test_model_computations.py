@@ -101,7 +101,7 @@ def test_computations_whose_clients_have_gone_are_given_up(modelled: Api, monkey
 
 @pytest.fixture(scope="module")
 def beside(modelled: Api) -> Api:
-    """Over the same store, with the process that is started for the first long train."""
+    """An API over the same store, with the process that is started for the first long train."""
     return Api(modelled.database)
 
 
@@ -124,7 +124,7 @@ def test_a_process_of_its_own_answers_the_same(modelled: Api, beside: Api, what:
     assert len(computed) == 1
 
 
-def test_what_does_not_suit_is_told_by_a_process_of_its_own_as_well(beside: Api, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_does_not_suit_is_reported_by_a_process_of_its_own_as_well(beside: Api, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("service.api.cache.model_process.LONG_ELEMENTS", 0)
     answer = beside.get("/identifications/1/model/balancing", plane=["nowhere"])
     assert "nowhere" in problem(answer, 422)["detail"]

@@ -29,8 +29,7 @@ from tests.contradictions import contradictions
 from tests.estimator.alignment.drawn_runs import MODEL
 from tests.plant import KEY
 from tests.service.delivery.receivers import settings
-from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
-from tests.service.monitoring.test_alignment_alerts import sunk
+from tests.service.monitoring.test_alignment_alerts import FilmWeeks, sunk
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, Weeks
 
 STORIES: Mapping[str, Mapping[str, float]] = {
@@ -50,7 +49,7 @@ def asked(api: Api) -> Callable[[str], Any]:
 
 
 @pytest.mark.parametrize("rule", STORIES)
-def test_a_train_with_coefficients_is_told_in_one_way(plant: Database, rule: str) -> None:
+def test_a_train_with_coefficients_is_reported_in_one_way(plant: Database, rule: str) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE, unknown=("coupling.C1.cxx",))
@@ -64,7 +63,7 @@ def test_a_train_with_coefficients_is_told_in_one_way(plant: Database, rule: str
 
 
 @pytest.mark.parametrize("rule", FILM_STORIES)
-def test_a_train_on_oil_films_is_told_in_one_way(plant: Database, rule: str) -> None:
+def test_a_train_on_oil_films_is_reported_in_one_way(plant: Database, rule: str) -> None:
     weeks = FilmWeeks(plant)
     weeks.file({}, times=BASELINE + 2)
     weeks.file(FILM_STORIES[rule], times=3)

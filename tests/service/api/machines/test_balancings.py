@@ -66,7 +66,7 @@ def store(database: Database) -> Database:
 
 @pytest.fixture(scope="module")
 def process() -> Iterator[ModelProcess]:
-    """Computes for all tests here: it takes a second or two to start."""
+    """A process that computes for all tests here: it takes a second or two to start."""
     one = ModelProcess()
     yield one
     one.close()

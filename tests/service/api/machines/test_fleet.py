@@ -20,7 +20,7 @@ from tests.prompt_writer import PromptWriter
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over one machine in a run-up with two alerts, and one of which nothing is known."""
+    """An API over one machine in a run-up with two alerts, and one of which nothing is known."""
     PromptWriter(plant, Collector()).store([arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], [])
     with plant.transaction() as session:
         machines.create(session, machine(id="fan-2", name="Fan 2"))
@@ -58,7 +58,7 @@ def test_each_machine_at_a_glance(api: Api) -> None:
     assert pump["last_identification"]["accepted"] is True
 
 
-def test_an_identification_that_failed_is_told_until_one_ends_well(plant: Database, api: Api) -> None:
+def test_an_identification_that_failed_is_reported_until_one_ends_well(plant: Database, api: Api) -> None:
     def failed() -> Any:
         return api.value("/fleet", since=next(times))["machines"][1]["failed_job"]
 
@@ -101,7 +101,7 @@ def test_wrong_questions_are_refused(api: Api) -> None:
     assert fields(api.get("/fleet", limit=0)) == ["query.limit"]
 
 
-def test_a_vibration_beyond_its_danger_limit_is_told_until_it_runs_below_it(database: Database) -> None:
+def test_a_vibration_beyond_its_danger_limit_is_reported_until_it_runs_below_it(database: Database) -> None:
     limits = {"running_rpm": 1400.0, "vibration_danger": 6e-5}
     with database.transaction() as session:
         machines.create(session, machine(operation=limits))

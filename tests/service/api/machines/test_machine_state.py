@@ -69,7 +69,7 @@ def test_an_unknown_machine_is_not_found(api: Api) -> None:
     assert api.get("/machines/nobody/states").status_code == 404
 
 
-def test_a_run_in_progress_is_told_with_how_far_it_has_come(writer: PromptWriter, api: Api) -> None:
+def test_a_run_in_progress_is_reported_with_how_far_it_has_come(writer: PromptWriter, api: Api) -> None:
     send(writer, CYCLE, 0, 200)
     found = state(api)
     assert (found["machine"], found["state"], found["direction"]) == ("pump-7", "run-up", "positive")
@@ -163,7 +163,7 @@ def test_a_run_tells_its_coverage(writer: PromptWriter, api: Api) -> None:
         assert run["coverage"]["duration_s"] == pytest.approx(260, abs=10)
 
 
-def test_what_came_late_and_is_not_sorted_in_yet_is_told(writer: PromptWriter, api: Api) -> None:
+def test_what_came_late_and_is_not_sorted_in_yet_is_reported(writer: PromptWriter, api: Api) -> None:
     send(writer, CYCLE, 0, 700)
     send(writer, CYCLE, 720, len(CYCLE))
     assert state(api)["late_samples_waiting"] == 0
@@ -171,7 +171,7 @@ def test_what_came_late_and_is_not_sorted_in_yet_is_told(writer: PromptWriter, a
     assert state(api)["late_samples_waiting"] == 20
 
 
-def test_a_machine_that_turns_and_never_enters_its_speed_range_is_told(writer: PromptWriter, api: Api) -> None:
+def test_a_machine_that_turns_and_never_enters_its_speed_range_is_reported(writer: PromptWriter, api: Api) -> None:
     """Speeds in Hz that were sent as r/min: no run ever begins, and the state says why."""
     sent = [rpm / 60.0 for rpm in sweep_rpm(2900.0, 1900.0, 300)]
     send(writer, sent, 0, len(sent))
@@ -184,7 +184,7 @@ def test_a_machine_that_turns_and_never_enters_its_speed_range_is_told(writer: P
     assert state(api)["outside_speed_range"] is None
 
 
-def test_a_machine_that_covered_too_little_for_a_run_is_told_until_it_has_one(writer: PromptWriter, api: Api) -> None:
+def test_a_machine_that_covered_too_little_for_a_run_is_reported_until_it_has_one(writer: PromptWriter, api: Api) -> None:
     """Speeds in rad/s that were sent as r/min: they come just into the range, and no run ever begins."""
     sent = [0.1047 * rpm for rpm in sweep_rpm(1000.0, 3000.0, 300)]
     send(writer, sent, 0, len(sent))

@@ -26,7 +26,7 @@ YEAR = {"from": datetime.fromtimestamp(START / SECOND, UTC).isoformat()}
 
 @pytest.fixture
 def stiffer(plant: Database) -> Api:
-    """Over a machine whose coupling became stiffer over four weeks: one open alert, with a comment and a note."""
+    """An API over a machine whose coupling became stiffer over four weeks: one open alert, with a comment and a note."""
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE)
@@ -96,11 +96,11 @@ class _Never:
         raise NotPrinted("the process that prints reports ended")
 
     def close(self) -> None:
-        """Nothing."""
+        """Close nothing."""
 
 
 @pytest.mark.usefixtures("stiffer")
-def test_figures_of_a_newer_run_make_the_report_anew(plant: Database) -> None:
+def test_figures_of_a_newer_run_renew_the_report(plant: Database) -> None:
     """An open alert follows its newest run without an event."""
     with plant.reading() as session:
         before = report_stamp(session, KEY.machine)

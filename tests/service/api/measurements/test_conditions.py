@@ -32,7 +32,7 @@ def api(plant: Database) -> Iterator[httpx.Client]:
         yield client
 
 
-def test_conditions_are_told_with_the_samples(warm: PromptWriter, api: httpx.Client) -> None:
+def test_conditions_are_reported_with_the_samples(warm: PromptWriter, api: httpx.Client) -> None:
     told = {"load": [80.0, None, 82.0], "oil": [61.5, 61.25, 61.0]}
     sent = batch([902.0, 903.0, 904.0], sequence=2, start=START + 2 * 10**9, conditions=told)
     outcomes = warm.store([arrived(sent)], [])

@@ -48,7 +48,7 @@ def get(database: Database, path: str) -> httpx.Response:
     return Api(database).ask("GET", path)
 
 
-def test_measured_run_up_is_told_to_ring_point_by_point(database: Database, kit: Machine) -> None:
+def test_measured_run_up_is_reported_to_ring_point_by_point(database: Database, kit: Machine) -> None:
     samples = measured(kit)
     outcome = computation.compute(IdentificationTask(kit.model_dump(mode="json"), [encode(samples)], Options(starts=1), 60.0))
     with database.transaction() as session:
@@ -83,7 +83,7 @@ def test_a_run_that_was_not_judged_says_so(database: Database, kit: Machine) -> 
     assert get(database, "/api/v1/runs/999/quality").status_code == 404
 
 
-def test_damaged_flags_are_told_from_missing_ones(database: Database, kit: Machine) -> None:
+def test_damaged_flags_are_distinguished_from_missing_ones(database: Database, kit: Machine) -> None:
     with database.transaction() as session:
         run_id = closed(session, kit, measured(kit))
         assert runs.flags(session, run_id) is None

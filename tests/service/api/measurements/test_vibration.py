@@ -22,7 +22,7 @@ BASELINE_RUNS = 6
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over a machine that knows its running speed, with a short baseline."""
+    """An API over a machine that knows its running speed, with a short baseline."""
     operation = {"running_rpm": RUNNING_RPM, "vibration_limit": 2.5e-5, "vibration_alert": 4e-5, "vibration_danger": 6e-5}
     with plant.transaction() as session:
         machines.revise(session, machine(operation=operation))

@@ -50,7 +50,7 @@ def store(database: Database, factors: Sequence[float], **changes: Any) -> None:
 
 @pytest.fixture
 def api(plant: Database) -> Api:
-    """Over three identifications, of which the second was not accepted, and one of several runs together."""
+    """An API over three identifications, of which the second was not accepted, and one of several runs together."""
     with plant.transaction() as session:
         for number, (factor, accepted) in enumerate([(1.0, True), (1.1, False), (1.2, True)]):
             outcome = identification({"coupling.C1.kxx": factor}, unknown=["bearing.B1.kxy"], accepted=accepted)
@@ -473,6 +473,6 @@ def test_a_fit_that_failed_takes_the_place_of_no_accepted_value(plant: Database,
 
 
 def accepted(series: dict[str, Any], kind: str) -> list[float]:
-    """Its accepted values of a kind of run."""
+    """Return the accepted values of a kind of run."""
     rows = zip(series["value"], series["run_kind"], series["quality"], strict=True)
     return [value for value, of_kind, quality in rows if of_kind == kind and quality == "accepted"]

@@ -23,7 +23,7 @@ from tests.service.commands.recorded_run import write_run
 OFFSET = re.compile(r"coupling\.C1\.offset_vertical +\+[\d.]+ µm \(\+([\d.]+) to \+([\d.]+)\)")
 
 
-def test_offsets_are_told_in_micrometres_with_their_interval_and_reasons_where_there_are_none() -> None:
+def test_offsets_are_reported_in_micrometres_with_their_interval_and_reasons_where_there_are_none() -> None:
     offset = Derived("coupling.C1.offset_vertical", "m", -83.2e-6, -151e-6, -15.4e-6)
     angle = Derived("coupling.C1.angle_vertical", "rad", None, None, None, "the prior alone")
     empty, heading, first, second = alignment_text([offset, angle]).split("\n")

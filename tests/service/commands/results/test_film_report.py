@@ -41,7 +41,7 @@ def test_a_journal_that_is_lifted_against_its_upper_half_is_remarked() -> None:
     assert "pressed upwards" not in film_text(between_two_bearings(), service_rpm=3000.0)
 
 
-def test_each_film_is_told_as_identified_with_half_its_interval() -> None:
+def test_each_film_is_reported_as_identified_with_half_its_interval() -> None:
     model = uncertain(machine_of())
     heading, *rows = identified_films(model)
     assert "as identified, at 3000 r/min" in heading

@@ -69,7 +69,7 @@ def test_a_season_of_oil_drifts_and_is_no_rate() -> None:
     assert rate_findings(Limits(), drifted, None) == ()
 
 
-def test_a_drift_is_told_with_the_time_to_the_limit_of_its_size() -> None:
+def test_a_drift_is_reported_with_the_time_to_the_limit_of_its_size() -> None:
     runs = drifting((0.006, 0.0, 0.0, 0.0))
     healthy = [Point(NAMES, 0.002 * np.random.default_rng(3).standard_normal(4), 1e-6 * np.eye(4)) for _ in range(5)]
     (told,) = with_times_to_limits(rate_findings(Limits(), runs), Limits(), healthy, runs)

@@ -68,7 +68,7 @@ def test_a_limit_for_a_force_needs_one() -> None:
         (FindingTexts("Shaft {id} rubs"), "no texts of check, in_operation, at_next_stop, confirm, not_determined"),
     ],
 )
-def test_texts_that_could_not_be_told_are_refused(texts: FindingTexts, words: str) -> None:
+def test_texts_that_could_not_be_reported_are_refused(texts: FindingTexts, words: str) -> None:
     with pytest.raises(ValueError, match=f"finding 'rub'.*{words}"):
         FindingRule("rub", AlertRule("rub"), NAMES, in_all(texts))
 
@@ -114,7 +114,7 @@ def test_a_finding_is_named_in_each_language() -> None:
         ("rubs_of_old", "shaft.S1", "rubs of old of shaft S1", "rubs of old an Welle S1"),
     ],
 )
-def test_a_finding_is_told_with_its_element(kind: str, element: str, english: str, german: str) -> None:
+def test_a_finding_is_reported_with_its_element(kind: str, element: str, english: str, german: str) -> None:
     assert (finding_at(kind, element, ENGLISH), finding_at(kind, element, GERMAN)) == (english, german)
 
 

@@ -49,7 +49,7 @@ def rejections(database: Database) -> list[QuarantineRow]:
 
 
 def damage_the_blocks(database: Database, name: str) -> None:
-    """As a bad disk does."""
+    """Damage the blocks like a bad disk."""
     with database.transaction() as session:
         for row in session.scalars(select(SampleBlockRow).where(SampleBlockRow.machine_id == name)):
             row.data = row.data[:-1] + bytes([row.data[-1] ^ 0xFF])

@@ -14,7 +14,7 @@ from storage.operation.audit import AuditedOperation
 from storage.tables.operation import IdempotencyKeyRow
 from tests.api_in_process import PREFIX, Api, problem
 from tests.plant import KEY
-from tests.service.security.conftest import Filled, bearer
+from tests.service.security.conftest import Clock, Filled, bearer
 
 NOTES = f"{PREFIX}/machines/{KEY.machine}/timeline"
 
@@ -68,15 +68,6 @@ def test_a_flood_is_one_entry_a_minute_in_the_audit_trail(
     api.app.state.repeated.write(everything=True)
     first, counted = trail(api.database)[before:]
     assert counted == (*first[:2], f"{first[2]}: 19 more within a minute")
-
-
-class Clock:
-    """A clock that a test turns."""
-
-    now = 1000.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def entry(who: str = "anna", operation: str = "set_limits", address: str = "10.0.0.1") -> AuditedOperation:

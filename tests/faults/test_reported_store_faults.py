@@ -23,7 +23,7 @@ def key(service: Service, name: str, role: str) -> dict[str, str]:
     return {"authorization": f"Bearer {made.stdout.strip()}"}
 
 
-def test_the_files_place_is_told_to_administrators_only(tmp_path: Path) -> None:
+def test_the_files_place_is_reported_to_administrators_only(tmp_path: Path) -> None:
     service = Service(tmp_path, database=sqlite_url(tmp_path / "rundown.db"))
     admin, viewer, source = (key(service, role, role) for role in ("admin", "viewer", "source"))
     wrong = {"authorization": f"{admin['authorization'][:-4]}0000"}
