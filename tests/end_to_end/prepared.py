@@ -20,7 +20,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
-from typing import IO
+from typing import IO, Any
 
 LONGEST_MESSAGE = 2**18
 FORK_TIMEOUT_S = 60.0
@@ -30,15 +30,18 @@ FORK_TIMEOUT_S = 60.0
 class PreparedProcess(subprocess.Popen[bytes]):
     """A command that was forked; whoever forked it tells its end, as the system tells that only to a parent."""
 
-    def __init__(self, arguments: Sequence[str], output: IO[bytes], environment: dict[str, str]) -> None:
-        """Fork a process for a command. Raises TimeoutError."""
+    def __init__(
+        self, arguments: Sequence[str], output: IO[Any], environment: dict[str, str], *, errors: IO[Any] | None = None
+    ) -> None:
+        """Fork a process for a command. errors: where its errors go, by default where its output goes. Raises TimeoutError."""
         self._told, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.args = ["rundown", *arguments]
         self.returncode = None
         self.stdin = self.stdout = self.stderr = None
         request = {"arguments": arguments, "environment": environment, "folder": os.getcwd()}
         with theirs:
-            socket.send_fds(_fork_server(), [json.dumps(request).encode()], [theirs.fileno(), output.fileno()])
+            files = [theirs.fileno(), output.fileno(), (errors or output).fileno()]
+            socket.send_fds(_fork_server(), [json.dumps(request).encode()], files)
         if (pid := self._next_number(FORK_TIMEOUT_S)) is None:
             self._told.close()  # a process that comes later is ended at once
             raise TimeoutError(f"no process after {FORK_TIMEOUT_S:.0f} s")
@@ -109,10 +112,10 @@ def main(requests: socket.socket) -> None:
         _tell_ends(running)
         if requests not in ready:
             continue
-        message, files, _, _ = socket.recv_fds(requests, LONGEST_MESSAGE, 2)
+        message, files, _, _ = socket.recv_fds(requests, LONGEST_MESSAGE, 3)
         if not message:
             return
-        tell, output = files
+        tell, output, errors = files
         pid = os.fork()
         if pid == 0:
             signal.set_wakeup_fd(-1)
@@ -121,9 +124,10 @@ def main(requests: socket.socket) -> None:
                 one.close()
             for file in (tell, *running.values()):
                 os.close(file)
-            _become(output, **json.loads(message))
+            _become(output, errors, **json.loads(message))
             return
         os.close(output)
+        os.close(errors)
         running[pid] = tell
         if not _send(tell, pid):
             os.kill(pid, signal.SIGKILL)
@@ -141,10 +145,11 @@ def _load() -> None:
     assert len(os.listdir("/proc/self/task")) == 1, "a module starts a thread: processes that are forked would lack it"
 
 
-def _become(output: int, arguments: list[str], environment: dict[str, str], folder: str) -> None:
+def _become(output: int, errors: int, arguments: list[str], environment: dict[str, str], folder: str) -> None:
     os.dup2(output, 1)
-    os.dup2(output, 2)
+    os.dup2(errors, 2)
     os.close(output)
+    os.close(errors)
     os.environ.clear()
     os.environ.update(environment)
     time.tzset()

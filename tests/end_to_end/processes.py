@@ -32,9 +32,18 @@ T = TypeVar("T")
 
 
 def rundown(*arguments: str, timeout: float = 60.0, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run a command to its end."""
-    command, around = [sys.executable, "-m", "service", *arguments], os.environ | environment
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False, env=around)
+    """Run a command to its end. Raises TimeoutExpired."""
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        started = PreparedProcess(arguments, output, os.environ | environment, errors=errors)
+        try:
+            status = started.wait(timeout)
+        except subprocess.TimeoutExpired:
+            started.kill()
+            started.wait()
+            raise
+        output.seek(0)
+        errors.seek(0)
+        return subprocess.CompletedProcess(started.args, status, output.read(), errors.read())
 
 
 @contextlib.contextmanager

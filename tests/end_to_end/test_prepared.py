@@ -2,13 +2,14 @@
 
 import signal
 import subprocess
+import sys
 from pathlib import Path
 
 import psutil
 import pytest
 
 from tests.end_to_end.prepared import PreparedProcess
-from tests.end_to_end.processes import process, python, until
+from tests.end_to_end.processes import EXAMPLES, process, python, rundown, until
 from tests.ports import free_port
 
 
@@ -21,6 +22,20 @@ def test_a_forked_command_says_and_returns_what_a_started_one_does(tmp_path: Pat
     assert told[0] == told[1]
     assert told[0][0] != 0
     assert "workers" in told[0][1]
+
+
+@pytest.mark.parametrize("document", [str(EXAMPLES / "motor-pump.yaml"), "nothing.yaml"])
+def test_what_it_prints_and_its_errors_are_apart_as_of_a_started_one(document: str) -> None:
+    command = [sys.executable, "-m", "service", "check", document]
+    started = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)
+    forked = rundown("check", document)
+    assert (forked.returncode, forked.stdout, forked.stderr) == (started.returncode, started.stdout, started.stderr)
+    assert (started.stderr == "") == (started.returncode == 0)
+
+
+def test_a_command_that_takes_too_long_is_ended() -> None:
+    with pytest.raises(subprocess.TimeoutExpired):
+        rundown("router", "--listen", f"tcp/127.0.0.1:{free_port()}", timeout=0.5)
 
 
 def test_how_it_was_ended_is_reported(tmp_path: Path) -> None:
