@@ -77,6 +77,7 @@ def _ended_at_last(started: subprocess.Popen[bytes]) -> Iterator[None]:
     finally:
         if started.poll() is None:
             started.send_signal(signal.SIGTERM)
+            started.send_signal(signal.SIGCONT)  # a test may have ended while it was frozen
         try:
             started.wait(STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
