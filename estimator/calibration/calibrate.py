@@ -19,7 +19,7 @@ from estimator.calibration.scatter_likelihood import information_of_means, with_
 from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
-from estimator.calibration.weights_in_step import judge_weights
+from estimator.calibration.weights_in_step import NOT_SEEN, TOO_FEW, judge_weights
 from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.optimisation.maximum_likelihood import descend
 from estimator.fit.optimisation.multistart import BestFit, FitFailed, best_fit
@@ -44,7 +44,7 @@ UNLIKE = 10.0
 """Most times by which the noise of one dwell's channel is expected to be more or less than usual [-]."""
 LARGE_MOUNTING_PART = 0.3
 """Part of the trial weights' effect beyond which differences between mountings are doubted [-]"""
-PASSES = 10
+PASSES = 20
 """Most times that the sizes of scatter are estimated anew."""
 STEPS = 40
 """Most steps of the fit in each of these."""
@@ -230,14 +230,17 @@ def _settled(
     problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes
 ) -> tuple[Floats, ScatterSizes, bool]:
     """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged."""
-    converged, before = False, sizes
+    converged, pass_before = False, None
     for _ in range(PASSES):
-        now = with_scatter_slope(scatter.applied(problem, sizes), theta)
+        stated_square = (scatter.stated.eccentricity / sizes.eccentricity) ** 2
+        now = with_scatter_slope(scatter.applied(problem, sizes), theta, stated_square=stated_square)
         theta, converged, _ = descend(now, theta, now.weight(np.abs(now.measurement.phasor), 0.0), STEPS)
-        before, sizes = sizes, scatter.estimated(now, theta, sizes)
-        if sizes.is_near(before):
-            return theta, before, converged
-    return theta, before, converged
+        found = scatter.estimated(now, theta, sizes)
+        ahead = found.ahead(sizes, pass_before)
+        if ahead.is_near(sizes):
+            return theta, sizes, converged
+        pass_before, sizes = (sizes, found), ahead
+    return theta, sizes, converged
 
 
 def _gathered(runs: Sequence[CalibrationRun], most: int) -> _Gathered:
@@ -343,7 +346,9 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
         doubt = judge_weights(problem, theta, part=moved)
         if doubt:
             words += f", {doubt}"
-            return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"
+            light = "heavier weights or more runs are needed; " if doubt in {NOT_SEEN, TOO_FEW} else ""
+            asked = "are weights, angles, their sense and the phase's right?"
+            return False, f"the model does not fit the runs: {words}; {light}{asked}"
         words += ", by chance: heavier weights would calibrate better"
     return True, f"accepted: {words}"
 
