@@ -17,7 +17,7 @@ from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.scatter_likelihood import information_of_means, with_scatter_slope
 from estimator.calibration.small_sample import widened
-from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
+from estimator.calibration.undetermined import distinct_speeds, with_free_gains, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.calibration.weights_in_step import NOT_SEEN, TOO_FEW, judge_weights
 from estimator.calibration.wrong_senses import explaining_senses
@@ -285,7 +285,7 @@ def _problem(machine: Machine, gathered: _Gathered) -> tuple[MountedProblem, Sca
     problem = MountedProblem(
         train,
         measurement,
-        Coordinates.of(train, unbalance_scale=largest),
+        with_free_gains(Coordinates.of(train, unbalance_scale=largest)),
         Noise(floor=0.0),
         np.zeros_like(measurement.usable),
         robust=False,
