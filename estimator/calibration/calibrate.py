@@ -44,7 +44,7 @@ UNLIKE = 10.0
 """Most times by which the noise of one dwell's channel is expected to be more or less than usual [-]."""
 LARGE_MOUNTING_PART = 0.3
 """Part of the trial weights' effect beyond which differences between mountings are doubted [-]"""
-PASSES = 20
+PASSES = 10
 """Most times that the sizes of scatter are estimated anew."""
 STEPS = 40
 """Most steps of the fit in each of these."""
@@ -336,21 +336,20 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
     worst = int(np.argmax(part))
     words = f"{100 * float(np.median(part)):.2g} % of the phasors unexplained, at most {100 * part[worst]:.2g} %"
     words += f" ({problem.train.channels[worst]})"
-    if not converged:
-        return False, f"not converged, {words}"
     if part[worst] > LARGEST_ESTIMATED_NOISE:
-        return False, f"the model does not fit the runs: {words}; are weights, angles and their sense right?"
-    moved = problem.unexplained_part(theta)
+        unfit = "not converged, " if not converged else "the model does not fit the runs: "
+        return False, f"{unfit}{words}; are weights, angles and their sense right?"
+    doubt, moved = "", problem.unexplained_part(theta)
     if moved > LARGE_MOUNTING_PART:
         words += f"; mountings differ by {100 * moved:.0f} % of what the trial weights do"
         doubt = judge_weights(problem, theta, part=moved)
-        if doubt:
-            words += f", {doubt}"
-            light = "heavier weights or more runs are needed; " if doubt in {NOT_SEEN, TOO_FEW} else ""
-            asked = "are weights, angles, their sense and the phase's right?"
-            return False, f"the model does not fit the runs: {words}; {light}{asked}"
-        words += ", by chance: heavier weights would calibrate better"
-    return True, f"accepted: {words}"
+        words += f", {doubt or 'by chance: heavier weights would calibrate better'}"
+    if doubt:
+        light = "heavier weights or more runs are needed; " if doubt in {NOT_SEEN, TOO_FEW} else ""
+        words += f"; {light}are weights, angles, their sense and the phase's right?"
+    if not converged:
+        return False, f"not converged, {words}"
+    return (False, f"the model does not fit the runs: {words}") if doubt else (True, f"accepted: {words}")
 
 
 def _calibration(
