@@ -10,23 +10,26 @@ Weights that do hardly more than the differences leave the gains open: one compl
 weights alone, and follows F with two degrees of freedom. All count the mountings there are, so that with few of them right
 weights are refused as seldom as with many. What few mountings, or a slip that leaves most weights right, show too weakly for
 that is seen by trying the slips: angles counted the other way round, two discs or two runs exchanged, one run's weights
-opposite. Of H others one is likelier than a right statement by the factor H/α in less than the part α of cases (Royall, J.
-Am. Stat. Assoc. 95 (2000) 760, doi:10.1080/01621459.2000.10474264).
+opposite, some weights in another unit. Of H others one is likelier than a right statement by the factor H/α in less than the
+part α of cases (Royall, J. Am. Stat. Assoc. 95 (2000) 760, doi:10.1080/01621459.2000.10474264).
 """
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 import scipy.special
 
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.mounted_problem import MountedProblem
+from estimator.units import KILOGRAM_METRES
 
 SEEN = 1e-6
 """Part of the largest singular value from which on a part of a weight varies at all [-]."""
 SMALLEST_CHANCE = 1e-3
 """Chance of differences that go so well with the weights, beneath which something is stated wrongly [-]."""
+UNIT_RATIOS = sorted(one / other for one, other in permutations(KILOGRAM_METRES.values(), 2) if one > other)
+"""Factors by which an unbalance is wrong in another unit [-]."""
 IN_STEP = "and go with these"
 ONE_MORE = "one disc of one mounting by far more than the others"
 NOT_SEEN = "which chance would do as well without any"
@@ -114,6 +117,12 @@ def _slips(weight: Complexes) -> Iterator[Complexes]:
         yield weight[_exchanged(mountings, pair)]
     for one in np.flatnonzero(weight.any(axis=1)):
         yield np.where(np.arange(mountings)[:, None] == one, -weight, weight)
+    size = np.abs(weight).max(axis=1, keepdims=True)
+    usual = float(np.median(size[size > 0.0])) if size.any() else 0.0
+    for ratio in UNIT_RATIOS:
+        heavy = size > np.sqrt(ratio) * usual
+        if heavy.any():
+            yield np.where(heavy, weight / ratio, weight)
 
 
 def _exchanged(count: int, pair: tuple[int, int]) -> list[int]:

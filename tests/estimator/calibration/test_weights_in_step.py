@@ -81,6 +81,28 @@ def test_weights_of_exchanged_discs_are_refused_with_few_mountings_too(mountings
     assert np.mean([bool(one) for one in told]) > 0.95
 
 
+@pytest.mark.parametrize("mountings", [8, 20])
+def test_some_weights_in_another_unit_are_refused(mountings: int) -> None:
+    """They decide the gains, beside which all other runs differ by as much as the wrong weights do."""
+    told = []
+    for seed in range(50):
+        rng = np.random.default_rng(seed)
+        weight = np.zeros((mountings, 2), dtype=complex)
+        for number in range(1, mountings):
+            weight[number, number % 2] = np.exp(2j * np.pi * rng.random())
+        stated = np.where(np.arange(mountings)[:, None] % 3 == 1, 25.4 * weight, weight)
+        parts = 0.2 / np.sqrt(2.0) * rng.standard_normal((2, mountings, 2))
+        centred = stated - stated.mean(axis=0)
+        shown = weight + parts[0] + 1j * parts[1]
+        shown = shown - shown.mean(axis=0)
+        factor = np.vdot(centred, shown) / np.sum(np.abs(centred) ** 2)
+        difference = shown / factor - centred
+        size = np.sqrt(np.sum(np.abs(difference) ** 2) / (2 * (mountings - 1) - 1))
+        part = float(np.linalg.norm(difference) / np.linalg.norm(stated))
+        told.append(part > 0.3 and bool(judge_differences(difference / size, stated / size, part=part)))
+    assert np.mean(told) > 0.95
+
+
 @pytest.fixture(scope="module")
 def scattered() -> tuple[MountedTrain, list[CalibrationRun]]:
     """A train whose mountings happen to differ by nearly a third of what its weights do, 10 µm of eccentricity."""
