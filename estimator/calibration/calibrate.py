@@ -17,9 +17,9 @@ from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.scatter_likelihood import information_of_means, with_scatter_slope
 from estimator.calibration.small_sample import widened
-from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
+from estimator.calibration.undetermined import distinct_speeds, with_free_gains, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
-from estimator.calibration.weights_in_step import judge_weights
+from estimator.calibration.weights_in_step import NOT_SEEN, TOO_FEW, judge_weights
 from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.optimisation.maximum_likelihood import descend
 from estimator.fit.optimisation.multistart import BestFit, FitFailed, best_fit
@@ -230,14 +230,17 @@ def _settled(
     problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes
 ) -> tuple[Floats, ScatterSizes, bool]:
     """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged."""
-    converged, before = False, sizes
+    converged, pass_before = False, None
     for _ in range(PASSES):
-        now = with_scatter_slope(scatter.applied(problem, sizes), theta)
+        stated_square = (scatter.stated.eccentricity / sizes.eccentricity) ** 2
+        now = with_scatter_slope(scatter.applied(problem, sizes), theta, stated_square=stated_square)
         theta, converged, _ = descend(now, theta, now.weight(np.abs(now.measurement.phasor), 0.0), STEPS)
-        before, sizes = sizes, scatter.estimated(now, theta, sizes)
-        if sizes.is_near(before):
-            return theta, before, converged
-    return theta, before, converged
+        found = scatter.estimated(now, theta, sizes)
+        ahead = found.ahead(sizes, pass_before)
+        if ahead.is_near(sizes):
+            return theta, sizes, converged
+        pass_before, sizes = (sizes, found), ahead
+    return theta, sizes, converged
 
 
 def _gathered(runs: Sequence[CalibrationRun], most: int) -> _Gathered:
@@ -282,7 +285,7 @@ def _problem(machine: Machine, gathered: _Gathered) -> tuple[MountedProblem, Sca
     problem = MountedProblem(
         train,
         measurement,
-        Coordinates.of(train, unbalance_scale=largest),
+        with_free_gains(Coordinates.of(train, unbalance_scale=largest)),
         Noise(floor=0.0),
         np.zeros_like(measurement.usable),
         robust=False,
@@ -333,19 +336,20 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
     worst = int(np.argmax(part))
     words = f"{100 * float(np.median(part)):.2g} % of the phasors unexplained, at most {100 * part[worst]:.2g} %"
     words += f" ({problem.train.channels[worst]})"
-    if not converged:
-        return False, f"not converged, {words}"
     if part[worst] > LARGEST_ESTIMATED_NOISE:
-        return False, f"the model does not fit the runs: {words}; are weights, angles and their sense right?"
-    moved = problem.unexplained_part(theta)
+        unfit = "not converged, " if not converged else "the model does not fit the runs: "
+        return False, f"{unfit}{words}; are weights, angles and their sense right?"
+    doubt, moved = "", problem.unexplained_part(theta)
     if moved > LARGE_MOUNTING_PART:
         words += f"; mountings differ by {100 * moved:.0f} % of what the trial weights do"
         doubt = judge_weights(problem, theta, part=moved)
-        if doubt:
-            words += f", {doubt}"
-            return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"
-        words += ", by chance: heavier weights would calibrate better"
-    return True, f"accepted: {words}"
+        words += f", {doubt or 'by chance: heavier weights would calibrate better'}"
+    if doubt:
+        light = "heavier weights or more runs are needed; " if doubt in {NOT_SEEN, TOO_FEW} else ""
+        words += f"; {light}are weights, angles, their sense and the phase's right?"
+    if not converged:
+        return False, f"not converged, {words}"
+    return (False, f"the model does not fit the runs: {words}") if doubt else (True, f"accepted: {words}")
 
 
 def _calibration(

@@ -13,27 +13,31 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.calibration.like_sizes import STATED_WEIGHT
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.rotor.response import sensitivity
 
 
-def with_scatter_slope(problem: MountedProblem, theta: Floats) -> MountedProblem:
+def with_scatter_slope(problem: MountedProblem, theta: Floats, *, stated_square: float) -> MountedProblem:
     """Return a problem whose χ² has the determinant's logarithm beside it, as a straight line through θ.
 
     The sizes of scatter rest on as much of the differences as the coordinates leave over (restricted likelihood). The
-    determinant counts by the same part: so receptances and sizes that change together leave the likelihood as it is.
+    determinant counts by the same part: so receptances and sizes that change together leave the likelihood as it is. What the
+    stated eccentricity adds to the size is taken off: a guess of how much mountings differ tells nothing of gains.
 
     Source: Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998.
 
     Args:
         problem: The problem.
         theta: Fit coordinates θ (n,) [-].
+        stated_square: Square of the eccentricity stated beforehand over that of the problem [-].
 
     Returns:
         The problem; where its descent ends at θ, the likelihood has its maximum there.
     """
-    return replace(problem, slope=_part_left_over(problem, theta) * scatter_slope(problem, theta))
+    part = _part_shown(problem, theta, stated_square)
+    return replace(problem, slope=part * scatter_slope(problem, theta))
 
 
 def scatter_slope(problem: MountedProblem, theta: Floats) -> Floats:
@@ -118,12 +122,16 @@ def _added_places(problem: MountedProblem) -> NDArray[np.intp]:
     return np.concatenate([first, first + 1])
 
 
-def _part_left_over(problem: MountedProblem, theta: Floats) -> float:
-    """Return the part of what phasors tell of the discs' differences that the coordinates have not used up [-]."""
+def _part_shown(problem: MountedProblem, theta: Floats, stated_square: float) -> float:
+    """Return the part of what phasors tell of the discs' differences that these show in squares of their size [-].
+
+    It is what the coordinates have not used up, with what the stated size counts for taken off.
+    """
     found = problem.linearisation(theta, problem.weight(np.abs(problem.measurement.phasor), 0.0))
     covariance = np.linalg.inv(found.rows @ found.rows.T - found.explained() + problem.coordinates.prior.precision)
     across = np.einsum("mqp,mnp->mqn", found.inverse, found.mixed)
     discs = slice(0, 2 * problem.planes)
     told = np.sum(1.0 - np.einsum("mqq->mq", found.inverse)[:, discs])
     used = np.sum(np.einsum("mqn,nk,mqk->mq", across, covariance, across, optimize=True)[:, discs])
-    return float(np.clip(1.0 - used / told, 0.0, 1.0)) if told > 0.0 else 0.0
+    of_stated = 2.0 * STATED_WEIGHT * (stated_square - 1.0)
+    return float(np.clip(1.0 - (used + of_stated) / told, 0.0, 1.0)) if told > 0.0 else 0.0

@@ -5,6 +5,7 @@ hundredth gives the same ones again. So the terms are held where there are fewer
 """
 
 import numpy as np
+from msgspec import structs
 
 from estimator.arrays import Floats
 from estimator.fit.problem.coordinates import Coordinates
@@ -22,6 +23,8 @@ HELD_CROSS_SPREAD = 0.05
 """Standard deviation of held cross-coupled terms, as a part of the direct terms beside them [-]: more would let modes grow."""
 GAIN_SPREAD = 3.0
 """Spread of a gain before it is calibrated [-]: the chain may be any."""
+FREE_GAIN_SPREAD = 100.0
+"""Spread of a gain in the fit of a calibration [-]: that of a document would draw all gains together towards one."""
 RUN_OUT_PART = 0.3
 """Spread of a run-out before it is calibrated, as a part of the channel's median amplitude [-]."""
 MODULUS_SPREAD = 0.2
@@ -79,6 +82,23 @@ def with_free_parameters(machine: Machine, measurement: Measurement) -> tuple[Ma
         f"document's values, within {100 * HELD_SPREAD:.0f} %"
     )
     return machine.model_copy(update={"parameters": (*machine.parameters, *rules)}), (words,)
+
+
+def with_free_gains(coordinates: Coordinates) -> Coordinates:
+    """Return coordinates in which nothing draws the gains towards one.
+
+    Few weights leave a factor on all gains open by some per cent, and each channel's prior draws at this one factor.
+
+    Args:
+        coordinates: The coordinates of a calibration.
+
+    Returns:
+        The same ones, with gains that may be any.
+    """
+    first = coordinates.channels.gain[coordinates.channels.gain >= 0]
+    spread = coordinates.spread.copy()
+    spread[np.concatenate([first, first + 1])] = FREE_GAIN_SPREAD
+    return structs.replace(coordinates, spread=spread)
 
 
 def _with_free_chains(machine: Machine, measurement: Measurement) -> Machine:

@@ -6,10 +6,10 @@ likelihood (Patterson and Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet
 one observation, so that a few mountings do not make it zero.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from msgspec.structs import replace
+from msgspec import structs
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -19,7 +19,11 @@ from estimator.calibration.mounted_problem import MountedLinearisation, MountedP
 SHARED_WEIGHT = 0.5
 """Number of observations that the run-outs' size common to all channels counts for [-]."""
 SETTLED = 0.03
-"""Relative change of all sizes up to which they count as unchanged [-]."""
+"""Relative change of the noise and of run-outs up to which they count as unchanged [-]."""
+SETTLED_ECCENTRICITY = 0.005
+"""Relative change of the eccentricity up to which it counts as unchanged [-]: a factor on it is one on all gains."""
+LARGEST_LEAD = 5.0
+"""Most times that the eccentricity moves by what a pass asks for [-]."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +49,30 @@ class ScatterSizes:
         Returns:
             Whether they are.
         """
-        mine, theirs = (np.r_[one.noise, one.eccentricity, one.run_out] for one in (self, other))
-        return bool(np.all(np.abs(mine - theirs) <= SETTLED * theirs))
+        mine, theirs = (np.r_[one.noise, one.run_out] for one in (self, other))
+        near = abs(self.eccentricity - other.eccentricity) <= SETTLED_ECCENTRICITY * other.eccentricity
+        return bool(near and np.all(np.abs(mine - theirs) <= SETTLED * theirs))
+
+    def ahead(self, used: "ScatterSizes", before: "tuple[ScatterSizes, ScatterSizes] | None") -> "ScatterSizes":
+        """Carry the eccentricity on to where it no longer changes, by the secant through two passes.
+
+        Gains and eccentricity that change together hardly change the likelihood, so each pass goes a part of the way only.
+
+        Source: Steffensen, Skand. Aktuarietidskr. 16 (1933) 64 (secant of a fixed point's iteration).
+
+        Args:
+            used: The sizes from which these were estimated.
+            before: The sizes of the pass before, and those estimated from them; None in the first.
+
+        Returns:
+            These sizes with that eccentricity.
+        """
+        if before is None or before[0].eccentricity == used.eccentricity:
+            return self
+        asked, asked_before = (np.log(new.eccentricity / old.eccentricity) for old, new in ((used, self), before))
+        change = (asked_before - asked) / np.log(used.eccentricity / before[0].eccentricity)
+        lead = float(np.clip(1.0 / change, 1.0, LARGEST_LEAD)) if change > 0.0 else 1.0
+        return replace(self, eccentricity=float(used.eccentricity * np.exp(lead * asked)))
 
 
 @dataclass(frozen=True)
@@ -91,8 +117,8 @@ class ScatterModel:
         Returns:
             The problem with them.
         """
-        measurement = replace(problem.measurement, scatter=self.base * sizes.noise[self.group])
-        return replace(problem, measurement=measurement, spread=np.r_[sizes.eccentricity * self.mass, sizes.run_out])
+        measurement = structs.replace(problem.measurement, scatter=self.base * sizes.noise[self.group])
+        return structs.replace(problem, measurement=measurement, spread=np.r_[sizes.eccentricity * self.mass, sizes.run_out])
 
     def estimated(self, problem: MountedProblem, theta: Floats, sizes: ScatterSizes) -> ScatterSizes:
         """Estimate the sizes anew at the end of a fit (MacKay 1992, doi:10.1162/neco.1992.4.3.415).

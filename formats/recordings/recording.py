@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 import yaml
 from msgspec import Struct
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 from pydantic_core import ErrorDetails
 
 from estimator.arrays import Complexes, Floats
@@ -23,7 +23,7 @@ from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
 from formats.recordings.recorded_table import RecordedTable
 from formats.recordings.sidecar_place import sidecar_of
-from formats.recordings.trial_weights import TrialWeight
+from formats.recordings.trial_weights import EXAMPLE, TrialWeight
 from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.files.private_files import prepare
@@ -91,6 +91,13 @@ class Sidecar(BaseModel):
         description="column that tells rows apart between which the machine was taken apart or stood; "
         "by default a recording is one mounting",
     )
+
+    @field_validator("added_unbalance", mode="before")
+    @classmethod
+    def _weights_listed(cls, given: object) -> object:
+        if given is not None and given != "none" and not isinstance(given, dict):
+            raise ValueError(f"trial weights are `none`, or listed by disc, as in {{D1: {EXAMPLE}}}")
+        return given
 
     @model_validator(mode="after")
     def _mapped_once(self) -> Self:

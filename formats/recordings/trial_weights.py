@@ -10,6 +10,8 @@ from estimator.field_types import Angle, NotNegative, Positive
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, RadiusUnit, WeightUnit
 
+EXAMPLE = "{amount: 48, unit: g mm, angle_deg: 90}"
+"""A trial weight as a sidecar states it."""
 Cell = Callable[[str], float]
 """Function that returns the number in a column of one row."""
 
@@ -25,6 +27,19 @@ class TrialWeight(BaseModel):
     radius: Positive | None = Field(default=None, description="at which a mass sits")
     radius_unit: RadiusUnit = "mm"
     angle_deg: Angle | str = Field(description="angle on the disc's scale [°]; or a column")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _listed(cls, given: object) -> object:
+        if isinstance(given, cls):
+            return given
+        if not isinstance(given, dict):
+            raise ValueError(f"what was on a disc is given with its unit and angle, as in {EXAMPLE}")
+        for name in ("magnitude", "amount"):
+            size = given.get(name)
+            if isinstance(size, int | float) and size < 0.0:
+                raise ValueError(f"{name} is {size:g}: a weight is above zero; on the opposite side its angle differs by 180°")
+        return given
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

@@ -243,7 +243,9 @@ def simulate(
 def replay(
     file: Annotated[
         Path,
-        typer.Argument(help="CSV with a header line; FILE.yaml beside it says what its columns mean", callback=named_file),
+        typer.Argument(
+            help="CSV, UFF58, TDMS, MDF4 or MAT file; FILE.yaml beside it says what its columns mean", callback=named_file
+        ),
     ],
     sidecar: Annotated[Path | None, typer.Option(help="another sidecar")] = None,
     connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it

@@ -25,11 +25,18 @@ Size = Annotated[float, Field(ge=1e-6, le=1e9, allow_inf_nan=False)]
 RunNumber = Annotated[int, Field(ge=0, le=2**62)]
 
 
+def _not_negative(value: object) -> object:
+    """Return what stands for an amount. Raises ValueError for one below zero."""
+    if isinstance(value, int | float) and value < 0.0:
+        raise ValueError("a weight is above zero; on the opposite side its angle differs by 180°")
+    return value
+
+
 class WeightIn(StrictModel):
     """A weight on a disc: an unbalance, or a mass at a radius."""
 
     disc: Identifier
-    amount: Annotated[float, Field(ge=0.0, le=1e9, allow_inf_nan=False)] = Field(
+    amount: Annotated[float, Field(ge=0.0, le=1e9, allow_inf_nan=False), BeforeValidator(_not_negative)] = Field(
         description="an unbalance or a mass, in `unit`; not zero"
     )
     unit: WeightUnit

@@ -46,6 +46,63 @@ def test_weights_that_do_hardly_more_than_chance_are_not_believed() -> None:
     assert judge_differences(difference[:1], weight[:1], part=0.4) == TOO_FEW
 
 
+def few(seed: int, *, mountings: int, turned: bool = False) -> tuple[Complexes, Complexes, float]:
+    """Return differences, weights and their ratio of a fit with two discs, which differ by a fifth of what weights do."""
+    rng = np.random.default_rng(seed)
+    weight = np.zeros((mountings, 2), dtype=complex)
+    for number in range(1, mountings):
+        weight[number, number % 2] = np.exp(2j * np.pi * rng.random())
+    parts = 0.2 / np.sqrt(2.0) * rng.standard_normal((2, mountings, 2))
+    shown = weight + parts[0] + 1j * parts[1]
+    stated = weight[:, ::-1] if turned else weight
+    centred = stated - stated.mean(axis=0)
+    factor = np.vdot(centred, shown - shown.mean(axis=0)) / np.sum(np.abs(centred) ** 2)
+    difference = (shown - shown.mean(axis=0)) / factor - centred
+    size = np.sqrt(np.sum(np.abs(difference) ** 2) / (2 * (mountings - 1) - 1))
+    return difference / size, stated / size, float(np.linalg.norm(difference) / np.linalg.norm(stated))
+
+
+@pytest.mark.parametrize("mountings", [3, 4, 5])
+def test_right_weights_of_few_mountings_are_hardly_ever_called_wrong(mountings: int) -> None:
+    """With a level of 10 % for fewer than eight free differences some 5 % of those that differ much were called wrong."""
+    drawn = [few(seed, mountings=mountings) for seed in range(1000)]
+    told = [judge_differences(difference, weight, part=part) for difference, weight, part in drawn if part > 0.3]
+    assert len(told) > 15
+    assert sum(one == IN_STEP for one in told) <= 0.01 * len(told)
+    if mountings > 3:  # three leave hardly anything to compare light weights with
+        assert sum(one == NOT_SEEN for one in told) <= 0.05 * len(told)
+
+
+@pytest.mark.parametrize("mountings", [3, 4, 5])
+def test_weights_of_exchanged_discs_are_refused_with_few_mountings_too(mountings: int) -> None:
+    drawn = [few(seed, mountings=mountings, turned=True) for seed in range(200)]
+    told = [judge_differences(difference, weight, part=part) for difference, weight, part in drawn if part > 0.3]
+    assert len(told) > 190
+    assert np.mean([bool(one) for one in told]) > 0.95
+
+
+@pytest.mark.parametrize("mountings", [8, 20])
+def test_some_weights_in_another_unit_are_refused(mountings: int) -> None:
+    """They decide the gains, beside which all other runs differ by as much as the wrong weights do."""
+    told = []
+    for seed in range(50):
+        rng = np.random.default_rng(seed)
+        weight = np.zeros((mountings, 2), dtype=complex)
+        for number in range(1, mountings):
+            weight[number, number % 2] = np.exp(2j * np.pi * rng.random())
+        stated = np.where(np.arange(mountings)[:, None] % 3 == 1, 25.4 * weight, weight)
+        parts = 0.2 / np.sqrt(2.0) * rng.standard_normal((2, mountings, 2))
+        centred = stated - stated.mean(axis=0)
+        shown = weight + parts[0] + 1j * parts[1]
+        shown = shown - shown.mean(axis=0)
+        factor = np.vdot(centred, shown) / np.sum(np.abs(centred) ** 2)
+        difference = shown / factor - centred
+        size = np.sqrt(np.sum(np.abs(difference) ** 2) / (2 * (mountings - 1) - 1))
+        part = float(np.linalg.norm(difference) / np.linalg.norm(stated))
+        told.append(part > 0.3 and bool(judge_differences(difference / size, stated / size, part=part)))
+    assert np.mean(told) > 0.95
+
+
 @pytest.fixture(scope="module")
 def scattered() -> tuple[MountedTrain, list[CalibrationRun]]:
     """A train whose mountings happen to differ by nearly a third of what its weights do, 10 µm of eccentricity."""

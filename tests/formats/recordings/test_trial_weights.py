@@ -105,7 +105,10 @@ def test_a_vector_may_come_in_parts_with_its_scatter(tmp_path: Path) -> None:
         ({"amount": 3, "unit": "g mm", "magnitude": 1e-6}, "give either magnitude [kg m], or amount"),
         ({}, "give either magnitude [kg m], or amount"),
         ({"amount": "mass", "unit": "g mm"}, "has no column 'mass'"),
-        ({"amount": -48, "unit": "g mm"}, "added_unbalance.D1.amount: Input should be greater than or equal to 0"),
+        (
+            {"amount": -48, "unit": "g mm"},
+            "amount is -48: a weight is above zero; on the opposite side its angle differs by 180°",
+        ),
     ],
 )
 def test_wrong_weights_are_named(tmp_path: Path, weight: dict[str, Any], words: str) -> None:
@@ -114,6 +117,20 @@ def test_wrong_weights_are_named(tmp_path: Path, weight: dict[str, Any], words: 
     assert "dict[" not in said, "the field's own name, not the validator's"
     assert "'none'" not in said, "the alternative was not meant"
     assert "valid string" not in said, "nor was a column"
+
+
+@pytest.mark.parametrize("weight", [48, "48 g mm", None, [48, 90]])
+def test_a_weight_that_is_no_list_of_fields_is_answered_with_one_that_is(tmp_path: Path, weight: object) -> None:
+    said = refused(tmp_path, added_unbalance={"D1": weight})
+    assert "added_unbalance.D1: what was on a disc is given with its unit and angle, as in {amount: 48, unit: g mm" in said
+    assert "\n" not in said, "one line"
+
+
+@pytest.mark.parametrize("weights", ["48 g mm on D1", 48, [48, 90]])
+def test_weights_that_are_not_listed_by_disc_are_answered_with_such(tmp_path: Path, weights: object) -> None:
+    said = refused(tmp_path, added_unbalance=weights)
+    assert "trial weights are `none`, or listed by disc, as in {D1: {amount: 48, unit: g mm, angle_deg: 90}}" in said
+    assert "\n" not in said, "one line"
 
 
 def test_a_channel_has_one_pair_of_columns(tmp_path: Path) -> None:

@@ -198,7 +198,7 @@ def test_steps_in_a_wrong_order_and_runs_that_do_not_belong_are_refused(store: D
     ("weight", "words"),
     [
         ({"amount": 0}, "a weight of zero is none: leave it out"),
-        ({"amount": -5}, "greater than or equal to 0"),
+        ({"amount": -5}, "a weight is above zero; on the opposite side its angle differs by 180°"),
         ({"unit": "g"}, "a mass (kg, g, oz) needs its radius_mm"),
         ({"radius_mm": 30}, "an unbalance (g mm, kg mm, g in, oz in, kg m) has none"),
         ({"unit": "lb"}, "Input should be"),
