@@ -36,7 +36,7 @@ WRONG: dict[str, tuple[Alteration, Design]] = {
 }
 FORCED = "half a disc's weight lifted by an exact force that is not there"
 SUPPORTS = ("rolling elements 30 % off, said to be within 15 %", "a table 30 % off, said to be within 15 %")
-"""What is wrong of mixed plants of even seeds, which have rolling elements beside films, and of odd ones, with tables."""
+"""Mistakes of documents of mixed plants: of even seeds, with rolling elements beside films, and of odd ones, with tables."""
 
 
 def wrong_documents(plants: int) -> list[ReportLine]:

@@ -61,8 +61,7 @@ def conclude(
         of_tables = judge_table_factors(problem, found, covariance)
         of_form = _form_verdict(problem, found, covariance, condition, beside.inflation, of_tables)
         found, verdict = _possible(problem, found, of_form.applied(verdict), limits)
-        if not of_form.words and not of_form.remark:
-            form_alone = _determined(coordinates, of_tables.covariance) - _determined(coordinates, of_form.covariance)
+        form_alone = _left_to_form(coordinates, of_tables.covariance, of_form)
         covariance = of_form.covariance if beside.left_open is None else of_form.covariance + beside.left_open
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
             doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
@@ -127,6 +126,16 @@ def _form_verdict(
         # Each is what one deviation alone leaves open.
         whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
     return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting)
+
+
+def _left_to_form(coordinates: Coordinates, without: Floats, of_form: FormVerdict) -> frozenset[int]:
+    """Return the coordinates that only an assumed form determines: those that its possible deviations leave open.
+
+    Deviations that the data show are told otherwise.
+    """
+    if of_form.words or of_form.remark:
+        return frozenset()
+    return _determined(coordinates, without) - _determined(coordinates, of_form.covariance)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

@@ -29,7 +29,7 @@ def whole(factor: float) -> Factors:
 
 
 def held(found: Identification, factors: Factors) -> list[bool]:
-    """Whether intervals of factors that are told hold the truth."""
+    """Check which intervals of factors that are told hold the truth."""
     true = {f"bearing.{bearing}.{name}_scale": factor for bearing, each in factors.items() for name, factor in each.items()}
     told = [one for one in found.estimates if one.name in true]
     return [one.lower <= true[one.name] <= one.upper for one in told if one.lower is not None and one.upper is not None]
