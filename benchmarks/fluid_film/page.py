@@ -78,7 +78,8 @@ def seeds(part: str, plants: int) -> str:
     if part == "other-trains":
         return f"Random trains of seeds {_span(0, plants)}."
     if part == "wrong-documents":
-        return f"Random plants of seeds {_span(FIRST_WRONG_SEED, plants)}, for each line."
+        beside = f"those beside films every second of seeds {FIRST_WRONG_SEED} to {FIRST_WRONG_SEED + 2 * plants - 1}"
+        return f"Random plants of seeds {_span(FIRST_WRONG_SEED, plants)}, for each line; {beside}."
     if part in ("wrong-forms", "own-forms"):
         return f"Random plants of seeds {_span(0, plants)}, for each form."
     return "The motor and compressor of seed 1." if part == "sweep" else ""

@@ -5,14 +5,22 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.fluid_film.film_fits import as_drawn
 from benchmarks.fluid_film.film_trials import FilmTrial, coverage_by_kind, mean_coverage, trials_of
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import PRIORS, Alteration, random_plant, unaltered
+from tests.film_plant.plants import PRIORS, Alteration, mixed_plant, random_plant, unaltered
 from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
-from tests.film_plant.wrong_documents import elliptical, far_clearance, soft_pedestal, warming_oil, with_lifting_force
+from tests.film_plant.wrong_documents import (
+    elliptical,
+    far_clearance,
+    soft_pedestal,
+    supports_off,
+    warming_oil,
+    with_lifting_force,
+)
 
 LEAST_COVERAGE = 0.9
 LEAST_RIGHT = 0.8
@@ -27,6 +35,8 @@ WRONG: dict[str, tuple[Alteration, Design]] = {
     "oil that warms, said to be of one viscosity": (warming_oil, Design()),
 }
 FORCED = "half a disc's weight lifted by an exact force that is not there"
+SUPPORTS = ("rolling elements 30 % off, said to be within 15 %", "a table 30 % off, said to be within 15 %")
+"""Mistakes of documents of mixed plants: of even seeds, with rolling elements beside films, and of odd ones, with tables."""
 
 
 def wrong_documents(plants: int) -> list[ReportLine]:
@@ -34,6 +44,8 @@ def wrong_documents(plants: int) -> list[ReportLine]:
     seeds = range(FIRST_SEED, FIRST_SEED + plants)
     rows = [_wrong(name, trials_of(name, _altered(alteration, design), seeds)) for name, (alteration, design) in WRONG.items()]
     rows.append(_wrong(FORCED, trials_of(FORCED, _altered(unaltered, Design()), seeds, document=_with_force)))
+    for first, name in enumerate(SUPPORTS, start=FIRST_SEED):
+        rows.append(_wrong(name, trials_of(name, _supported, range(first, first + 2 * plants, 2), document=as_drawn)))
     right = trials_of("right", lambda seed: random_plant(seed, discrepancy=DiscrepancySize()), seeds, bounded=True)
     good = float(np.mean([one.accepted and np.median(one.widths) <= WIDEST for one in right]))
     widths = [float(np.median(one.widths)) for one in right if one.accepted]
@@ -48,6 +60,10 @@ def wrong_documents(plants: int) -> list[ReportLine]:
 
 def _with_force(plant: Plant, _: int) -> dict[str, Any]:
     return with_lifting_force(film_document(plant), plant)
+
+
+def _supported(seed: int) -> Plant:
+    return mixed_plant(seed, discrepancy=DiscrepancySize(), supports=supports_off)
 
 
 def _altered(alteration: Alteration, design: Design) -> Callable[[int], Plant]:

@@ -22,6 +22,7 @@ from estimator.fit.validation.omitted_warming import viscosity_trend, warming_wo
 from estimator.fit.validation.physical_limits import LimitsFunction, without_growing_modes
 from estimator.fit.validation.profile_likelihood import flat_coordinates
 from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
+from estimator.fit.validation.table_factors import judge_table_factors
 
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
@@ -57,10 +58,10 @@ def conclude(
     doubtful, form_alone = frozenset[int](), frozenset[int]()
     if verdict.accepted:
         beside = remark(problem, found)
-        of_form = _form_verdict(problem, found, covariance, condition, beside.inflation)
+        of_tables = judge_table_factors(problem, found, covariance)
+        of_form = _form_verdict(problem, found, covariance, condition, beside.inflation, of_tables)
         found, verdict = _possible(problem, found, of_form.applied(verdict), limits)
-        if not of_form.words and not of_form.remark:
-            form_alone = _determined(coordinates, covariance) - _determined(coordinates, of_form.covariance)
+        form_alone = _left_to_form(coordinates, of_tables.covariance, of_form)
         covariance = of_form.covariance if beside.left_open is None else of_form.covariance + beside.left_open
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
             doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
@@ -105,7 +106,7 @@ def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict
 
 
 def _form_verdict(
-    problem: FitProblem, found: FitResult, covariance: Floats, condition: float, inflation: float
+    problem: FitProblem, found: FitResult, covariance: Floats, condition: float, inflation: float, of_tables: FormVerdict
 ) -> FormVerdict:
     """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations.
 
@@ -117,7 +118,7 @@ def _form_verdict(
     of_forces = judge_exact_forces(problem, found, covariance, inflation=inflation)
     if excess:  # what films cannot explain is no force's: scores say nothing then
         return FormVerdict(whole, words, remarks, resting=of_forces.resting)
-    judged = [of_forces, judge_sharp_deviations(problem, found, covariance, inflation=inflation)]
+    judged = [of_forces, judge_sharp_deviations(problem, found, covariance, inflation=inflation), of_tables]
     if needs_form(problem):
         of_form = judge_form(problem, found, covariance, condition)
         judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))
@@ -125,6 +126,16 @@ def _form_verdict(
         # Each is what one deviation alone leaves open.
         whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
     return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting)
+
+
+def _left_to_form(coordinates: Coordinates, without: Floats, of_form: FormVerdict) -> frozenset[int]:
+    """Return the coordinates that only an assumed form determines: those that its possible deviations leave open.
+
+    Deviations that the data show are told otherwise.
+    """
+    if of_form.words or of_form.remark:
+        return frozenset()
+    return _determined(coordinates, without) - _determined(coordinates, of_form.covariance)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tests.film_plant.around_references import MOTOR_COMPRESSOR, SPEED, TURBINE_GENERATOR, train_around
+from tests.film_plant.arrays import Floats
 from tests.film_plant.discrepancy import Discrepancy, DiscrepancySize
 from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
 from tests.film_plant.oil import HeatedOil
@@ -106,10 +107,31 @@ def random_plant(
     return _with_discrepancy(_first(draw, f"train of seed {seed}"), discrepancy, rng)
 
 
-def mixed_plant(seed: int, *, priors: Priors = PRIORS, discrepancy: DiscrepancySize | None = None) -> Plant:
+def drawn_supports(rng: np.random.Generator, bearings: int) -> Floats:
+    """Draw the factors by which the true kxx, kyy, cxx and cyy of bearings that are no films are off (n, 4) [-]."""
+    return np.exp(SUPPORT_SPREAD * rng.standard_normal((bearings, 4)))
+
+
+def mixed_plant(
+    seed: int,
+    *,
+    priors: Priors = PRIORS,
+    discrepancy: DiscrepancySize | None = None,
+    supports: Callable[[np.random.Generator, int], Floats] = drawn_supports,
+) -> Plant:
     """Draw a train of which one shaft runs on films, the other on rolling elements (even seeds) or by a maker's table.
 
-    Of each four plants the third and fourth have the driver on films. The true coefficients are off by `SUPPORT_SPREAD`.
+    Of each four plants the third and fourth have the driver on films.
+
+    Args:
+        seed: Seed of the random generator.
+        priors: How far the truth is from what is believed.
+        discrepancy: Size of the films' discrepancies; None for none.
+        supports: Function of a random generator and the number of bearings that are no films that returns the factors on their
+            true kxx, kyy, cxx and cyy (n, 4) [-].
+
+    Returns:
+        The plant.
     """
     rng = np.random.default_rng([seed, 23])
     supported = 0 if seed % 4 < 2 else 1
@@ -126,10 +148,8 @@ def mixed_plant(seed: int, *, priors: Priors = PRIORS, discrepancy: DiscrepancyS
             bearings.append(one)
         believed = replace(believed, bearings=tuple(bearings))
         truth = _truth(believed, rng, priors, kind)
-        off = tuple(
-            one if one.own is None else replace(one, own=one.own.scaled(np.exp(SUPPORT_SPREAD * rng.standard_normal(4))))
-            for one in truth.bearings
-        )
+        factors = iter(supports(rng, sum(one.own is not None for one in truth.bearings)))
+        off = tuple(one if one.own is None else replace(one, own=one.own.scaled(next(factors))) for one in truth.bearings)
         return _checked(Plant(f"mixed {seed}", replace(truth, bearings=off), believed, slowest, fastest))
 
     return _with_discrepancy(_first(draw, f"mixed train of seed {seed}"), discrepancy, rng)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.film_plant.arrays import Floats
 from tests.film_plant.oil import HeatedOil, walther
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Alteration
@@ -17,6 +18,8 @@ SOFT_FREQUENCY = (0.7, 1.1)
 """Frequencies of the soft pedestal with its mass, along x and y, over the highest speed [-]."""
 CLEARANCE_PRIORS = 2.0
 """Error of the wrong clearance, in standard deviations of its prior [-]."""
+SUPPORTS_OFF = 0.3
+"""Part by which all coefficients of bearings that are no films are off, up or down [-]: some two priors."""
 _OfBearing = Callable[[Bearing], Bearing]
 
 MEDIAN = 0.6
@@ -60,6 +63,11 @@ def far_clearance(spread: float) -> Alteration:
 def warming_oil(train: Train, _: np.random.Generator, fastest: float) -> Train:
     """All oil warms with speed, and is said to have one viscosity."""
     return replace(train, bearings=tuple(replace(one, oil=_warming(one, fastest)) for one in train.bearings))
+
+
+def supports_off(rng: np.random.Generator, bearings: int) -> Floats:
+    """All coefficients of n bearings that are no films are off by one factor, as of one calculation gone wrong (n, 4) [-]."""
+    return np.full((bearings, 4), 1.0 + SUPPORTS_OFF * rng.choice([-1.0, 1.0]))
 
 
 def with_lifting_force(said: dict[str, Any], plant: Plant) -> dict[str, Any]:

@@ -238,6 +238,7 @@ export const STORED_SENTENCES: Readonly<Record<string, Readonly<Record<string, s
     "{part} % of the phasors unexplained, at most {most} % ({channel})": "{part} % der Zeiger unerklärt, höchstens {most} % ({channel})",
     "the model does not fit the runs: {rest}": "das Modell passt nicht zu den Läufen: {rest}",
     "are weights, angles and their sense right?": "stimmen Gewichte, Winkel und ihr Zählsinn?",
+    "heavier weights or more runs are needed": "schwerere Gewichte oder mehr Läufe sind nötig",
     "are weights, angles, their sense and the phase's right?": "stimmen Gewichte, Winkel, ihr Zählsinn und der der Phase?",
     "mountings differ by {part} % of what the trial weights do, {rest}": "Montagen unterscheiden sich um {part} % dessen, was die Testgewichte bewirken, {rest}",
     "and go with these": "und im Gleichklang mit diesen",
