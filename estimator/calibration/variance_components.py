@@ -54,7 +54,7 @@ class ScatterSizes:
         return bool(near and np.all(np.abs(mine - theirs) <= SETTLED * theirs))
 
     def ahead(self, used: "ScatterSizes", before: "tuple[ScatterSizes, ScatterSizes] | None") -> "ScatterSizes":
-        """Carry the eccentricity on to where it no longer changes, by the secant through two passes.
+        """Move the eccentricity to where it no longer changes, by the secant through two passes.
 
         Gains and eccentricity that change together hardly change the likelihood, so each pass goes a part of the way only.
 

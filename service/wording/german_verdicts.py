@@ -89,6 +89,13 @@ VERDICTS: Mapping[str, str] = {
         "abweichen: Vertrauensbereiche sind verbreitert"
     ),
     (
+        "the table of {element} seems off by {size} %, more than its scale_spread of {spread} % says: intervals are widened "
+        "(state its coefficients, or its spread, as they are)"
+    ): (
+        "die Tabelle von {element} scheint um {size} % falsch zu sein, mehr, als ihr scale_spread von {spread} % sagt: "
+        "Vertrauensbereiche sind verbreitert (ihre Koeffizienten oder scale_spread berichtigen)"
+    ),
+    (
         "at {speed} r/min a journal would be within a twentieth of the clearance of its bearing: are geometry and oil right? "
         "{load} N on bearing '{id}', whose journal touches first, at rest are {pressure} MPa over diameter and length"
     ): (
