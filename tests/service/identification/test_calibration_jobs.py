@@ -148,7 +148,7 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
         "the weight put on since, not the whole unbalance"
     )
     assert first["half_width_g_mm"] < 0.2e6 * WEIGHT
-    assert abs(first["angle_deg"] - 30.0) < 2.0 * first["half_width_deg"] < 20.0
+    assert abs(first["angle_deg"] - 30.0) < 2.0 * first["half_width_deg"] < 25.0
     assert second["g_mm"] < 2.0 * second["half_width_g_mm"]
     drifting = api("POST", f"{path}/{told['id']}/in-force", json={"by": "Ben", "gain_drift": 0.02})
     assert (drifting["revision_in_force"], drifting["in_force"]) == (3, True)

@@ -3,6 +3,7 @@
 import asyncio
 import gzip
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -255,7 +256,10 @@ class BusyCallers:
 
     async def all_done(self) -> list[int]:
         """Let all be answered; return which requests were not, by their places."""
-        await asyncio.sleep(0.5)  # until all are in the queue, on PostgreSQL and a busy machine, too
+        ends = time.monotonic() + 30.0
+        while self._queued() < len(self._tasks):
+            assert time.monotonic() < ends, "all who ask come into the queue"
+            await asyncio.sleep(0.01)
         self.go_on.set()
         found = await asyncio.gather(*self._tasks, return_exceptions=True)
         return [place for place, one in enumerate(found[THREADS:]) if isinstance(one, ClientDisconnected)]
@@ -265,9 +269,12 @@ class BusyCallers:
         for _ in range(THREADS):
             assert await asyncio.to_thread(self._begun.acquire, timeout=10)
 
+    def _queued(self) -> int:
+        return sum(len(waiting.have_gone) for waiting, _ in self.cache._under_way.values())
+
     def _held(self) -> Response:
         self._begun.release()
-        assert self.go_on.wait(10)
+        assert self.go_on.wait(60)
         return Response(b"")
 
     def _asks(self, path: str, who: str, make: Callable[[], Response], *, gone: bool = False) -> "asyncio.Task[Response]":
