@@ -4,14 +4,14 @@
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy.orm import Session
 
 from service.alerts import transitions
-from service.alerts.lifecycle import Severity
+from service.alerts.lifecycle import ACTIVE, Severity
 from service.alerts.transitions import AlertFinding
 from service.monitoring.assessment.context import (
     Assessment,
@@ -89,11 +89,11 @@ def conclusions(context: AssessmentContext, assessment: Assessment, state: Monit
     Alerts show the machine's present state: a late run is diagnosed, and affects alerts with the next run.
     """
     diagnosis, changes = assessment.diagnosis, list[RaisedAlert | AlertRow]()
+    opened = {(alert.rule, alert.element): alert for alert in state.open_alerts}
     if assessment.rates is not None and state.current:
-        changes += _rate_changes(context.limits, assessment.rates, state)
+        changes += _rate_changes(context.limits, assessment.rates, state, opened)
     if diagnosis is None:
         return Conclusions(None, changes)
-    opened = {(alert.rule, alert.element): alert for alert in state.open_alerts}
     statements = [_statement(one, diagnosis, context.numbers, opened) for one in diagnosis.causes]
     if state.current:
         changes += _cause_changes(context.limits, diagnosis, statements, state, opened)
@@ -181,7 +181,29 @@ def _alert_of(
         severity=severity,
         latching=rule.limits is not None and limits.rule(rule.name, element).latching,
     )
-    return RaisedAlert(rule.name, element, finding)
+    return RaisedAlert(rule.name, element, _of_newest_run(finding, present))
+
+
+def _of_newest_run(finding: AlertFinding, present: AlertRow | None) -> AlertFinding:
+    """Return what an open alert says after a finding: the numbers of the run that was measured last.
+
+    A run-up may be identified after the run-down that followed it. present: the open alert.
+    """
+    if present is None or present.measured_at <= finding.measured_at or present.condition not in ACTIVE:
+        return finding
+    same_kind = present.evidence.get("kind") == finding.evidence["kind"]
+    began = {name: finding.evidence[name] for name in _BEGAN if name in finding.evidence} if same_kind else {}
+    return replace(
+        finding,
+        evidence=present.evidence | began,
+        identification_id=present.identification_id,
+        measured_at=present.measured_at,
+        severity=Severity(present.severity),
+    )
+
+
+_BEGAN = ("since", "first_identification")
+"""Evidence of when a finding was first seen, which an older run may put back."""
 
 
 def _of_run(stored: IdentificationRow) -> dict[str, Any]:
@@ -195,11 +217,16 @@ def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
     return alert.evidence.get("run_kind") == stored.run_kind
 
 
-def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState) -> list[RaisedAlert | AlertRow]:
+def _rate_changes(
+    limits: Limits, rates: RateAssessment, state: MonitoringState, opened: _OpenAlerts
+) -> list[RaisedAlert | AlertRow]:
     """Return the alerts of elements that change too fast, whatever the size of the change so far, and those to be cleared."""
     stored = state.terms.identification
     rule = RATE_OF_CHANGE.name
-    raised = [_alert_of_rate(one, stored, latching=limits.rule(rule, one.element).latching) for one in rates.findings]
+    raised = [
+        _alert_of_rate(one, stored, latching=limits.rule(rule, one.element).latching, present=opened.get((rule, one.element)))
+        for one in rates.findings
+    ]
     cleared = [
         alert
         for alert in state.open_alerts
@@ -208,7 +235,7 @@ def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState)
     return [*raised, *cleared]
 
 
-def _alert_of_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
+def _alert_of_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool, present: AlertRow | None) -> RaisedAlert:
     evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
     evidence |= {f"{bound}_per_cent": 100.0 * getattr(one.rate, bound) for bound in ("per_week", "lower", "upper")}
     evidence |= {"change_per_cent": one.change_per_cent, "ahead": None if one.ahead is None else asdict(one.ahead)}
@@ -219,4 +246,4 @@ def _alert_of_rate(one: "RateFinding", stored: IdentificationRow, *, latching: b
         severity=one.severity,
         latching=latching,
     )
-    return RaisedAlert(RATE_OF_CHANGE.name, one.element, finding)
+    return RaisedAlert(RATE_OF_CHANGE.name, one.element, _of_newest_run(finding, present))

@@ -42,10 +42,12 @@ class Weeks:
         unknown: tuple[str, ...] = (),
         kind: str = "run-down",
         accepted: bool = True,
+        late: int = 0,
     ) -> None:
+        """File runs, a week apart. late: so many weeks ago each was measured when it is filed."""
         for _ in range(times):
             self.count += 1
-            moment = START + self.count * WEEK
+            moment = START + (self.count - late) * WEEK
             outcome = identification(factors, unknown=unknown, accepted=accepted)
             row = store_identification(
                 self.session, outcome, run_id=self.count, measured_at=moment, run_kind=kind, revision=self.revision
@@ -124,6 +126,31 @@ def test_another_kind_of_run_does_not_take_an_alert_back(plant: Database) -> Non
             weeks.file(kind="run-up")
         assert weeks.open() == ["coupling.C1"]
         assert len(weeks.alerts()) == 1
+
+
+def test_an_alert_says_what_the_newest_run_says_whichever_was_identified_last(plant: Database) -> None:
+    """A run-up is identified after the run-down that followed it."""
+    grown = {name: 1.2 * factor for name, factor in STIFFER.items()}
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        for kind in ("run-up", "run-down"):
+            weeks.file(times=BASELINE, kind=kind)
+        weeks.file(STIFFER, kind="run-up")
+        weeks.file(grown, times=2, kind="run-down")
+        (row,) = alerts.open_alerts(session, KEY.machine)
+        said, measured_at, count = row.evidence, row.measured_at, row.event_count
+        weeks.file(STIFFER, kind="run-up", late=2)
+        (row,) = alerts.open_alerts(session, KEY.machine)
+        assert (row.measured_at, row.evidence["identification"], row.event_count) == (
+            measured_at,
+            said["identification"],
+            count,
+        )
+        assert row.evidence["parts"] == said["parts"]
+        assert row.evidence["since"] < said["since"], "the run-ups show it since before the run-downs do"
+        weeks.file(grown, kind="run-down")
+        (row,) = alerts.open_alerts(session, KEY.machine)
+        assert row.measured_at > measured_at
 
 
 def test_what_was_refused_before_the_baseline_was_complete_is_not_the_newest(plant: Database) -> None:
