@@ -11,7 +11,8 @@ from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.film_results import load_error, placed_films
+from estimator.updated_model.bearing_loads import bearing_loads
+from estimator.updated_model.film_results import covariance_of, placed_films
 from estimator.updated_model.model import UpdatedModel
 
 HIGHEST_PRESSURE = 5e6
@@ -36,7 +37,7 @@ class FilmLoad:
 
 
 def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
-    """Compute the vertical load on each film at running speed (first order: JCGM 100:2008, 5.2).
+    """Compute the vertical load on each film at running speed (`bearing_loads`: JCGM 100:2008, 5.2).
 
     Args:
         model: The updated model.
@@ -50,19 +51,19 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
     if found is None:
         return ()
     placed, films = found
-    states = journal_states(films, placed.own(coordinates.theta(model.values)), speed=speed)
+    fitted = placed.own(coordinates.theta(model.values))
+    states = journal_states(films, fitted, speed=speed)
     if states is None:
         return ()
-    slope = states.force_slope[-1, :, 1]
-    own = placed.numbers[: slope.shape[-1]]
-    covariance = model.covariance[np.ix_(own, own)] / np.outer(coordinates.unit[own], coordinates.unit[own])
+    count = films.own.count
+    covariance = covariance_of(placed, model, coordinates)[:count, :count]
+    loads = bearing_loads(films, states, fitted=fitted, speed=speed, covariance=covariance)
     return tuple(
         FilmLoad(
             bearing=bearing.id,
-            vertical=float(states.force[-1, number, 1]),
-            error=load_error(slope[number], covariance, force=states.force[-1, number]),
+            vertical=float(loads.value[bearing.number, 1]),
+            error=float(loads.error[bearing.number, 1]),
             area=bearing.film.diameter * bearing.film.length,
         )
         for bearing in bearings_on_films(model.machine.bearings)
-        for number in (bearing.number,)
     )

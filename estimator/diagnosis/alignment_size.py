@@ -17,7 +17,7 @@ from estimator.diagnosis.moving_causes import moving_causes
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.film_results import WEIGHT_ERROR
+from estimator.updated_model.bearing_loads import WEIGHT_ERROR
 from estimator.updated_model.model import UpdatedModel
 
 MISALIGNMENT = "misalignment"

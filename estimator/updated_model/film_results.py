@@ -1,8 +1,7 @@
 """Results about a train's oil films: their coefficients at some speeds, loads and journals' positions.
 
 Standard errors to first order (JCGM 100:2008, 5.2) from the covariance of all coordinates: those of coefficients hold the
-films' deviations from their model. Two bearings alone carry what the shaft weighs, whatever the fit finds: beside what it
-leaves open, a load is known no better than the masses of the document (JCGM 100:2008, 4.3).
+films' deviations from their model. Loads are averaged over couplings that are open (`averaged_over_couplings`).
 """
 
 from collections.abc import Iterator
@@ -21,11 +20,9 @@ from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel
 from estimator.statics.journal_states import JournalStates, journal_states
 from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.bearing_loads import bearing_loads
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
-
-WEIGHT_ERROR = 0.002
-"""Part of a bearing's load by which that may be off beside what a fit leaves open, rms [-]: masses are known no better."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +69,12 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
         return ()
     own = covariance_of(placed, model, coordinates)[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
     on_films = {one.number for one in bearings_on_films(model.machine.bearings)}
+    loads = bearing_loads(films, states, fitted=placed.own(theta), speed=speed, covariance=own)
     found = list(_coefficients(model))
     for number, bearing in enumerate(model.machine.bearings):
-        found += _loads(f"bearing.{bearing.id}", states, number, own)
+        for axis, name in ((1, "load_vertical"), (0, "load_horizontal")):
+            load, error = float(loads.value[number, axis]), float(loads.error[number, axis])
+            found.append(FilmResult(f"bearing.{bearing.id}.{name}", UNITS["force"], load, error))
         if number in on_films:
             found += _journal(f"bearing.{bearing.id}", states, number, films.own.place(number, "clearance"), own)
     order = {f"bearing.{one.id}": number for number, one in enumerate(model.machine.bearings)}
@@ -168,14 +168,6 @@ def _coefficients(model: UpdatedModel) -> Iterator[FilmResult]:
             yield FilmResult(name, UNITS[one.term.quantity], value, error, size, positive)
 
 
-def _loads(element: str, states: JournalStates, number: int, covariance: Floats) -> Iterator[FilmResult]:
-    """Yield the load on one bearing at the last speed."""
-    force, slope = states.force[-1, number], states.force_slope[-1, number]
-    for name, axis in (("load_vertical", 1), ("load_horizontal", 0)):
-        error = load_error(slope[axis], covariance, force=force)
-        yield FilmResult(f"{element}.{name}", UNITS["force"], float(force[axis]), error)
-
-
 def _journal(element: str, states: JournalStates, number: int, clearance: int, covariance: Floats) -> Iterator[FilmResult]:
     """Yield position and eccentricity of one journal in its film at the last speed; clearance: place of its own among the
     parameters."""
@@ -192,17 +184,3 @@ def _journal(element: str, states: JournalStates, number: int, clearance: int, c
         rows.append(("eccentricity_ratio", "1", part, slope))
     for name, unit, value, slope in rows:
         yield FilmResult(f"{element}.{name}", unit, float(value), float(standard_errors(slope, covariance)))
-
-
-def load_error(slope: Floats, covariance: Floats, *, force: Floats) -> float:
-    """Return the standard error of a component of the load on a film (JCGM 100:2008, 4.3 and 5.2).
-
-    Args:
-        slope: Derivatives (n,) of the component by the parameters [N].
-        covariance: Covariance (n, n) of the parameters [-].
-        force: The load (2,), horizontal and vertical [N].
-
-    Returns:
-        The standard error, of what the fit leaves open and of the masses [N].
-    """
-    return float(np.hypot(standard_errors(slope, covariance), WEIGHT_ERROR * np.hypot(*force)))

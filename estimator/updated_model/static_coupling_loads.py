@@ -1,20 +1,24 @@
 """Static shear and moment that each coupling of a train on oil films carries at running speed, beside the synchronous loads.
 
 They are what the bearings behind the coupling leave of the weight there, so that their errors come from the loads' own, with
-all that these have in common (JCGM 100:2008, 5.2).
+all that these have in common (JCGM 100:2008, 5.2), and are averaged as they are (`averaged_over_couplings`).
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.machine.film_speeds import reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.rotor.parameter_names import STATIC_LOAD_UNITS
-from estimator.statics.coupling_balance import coupling_balances
-from estimator.statics.journal_states import journal_states
+from estimator.statics.coupling_balance import CouplingBalance, coupling_balances
+from estimator.statics.film_model import FilmModel
+from estimator.statics.journal_states import JournalStates, journal_states
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.film_results import FilmResult, placed_films
+from estimator.updated_model.averaged_over_couplings import Prediction, averaged_over_couplings
+from estimator.updated_model.film_results import FilmResult, covariance_of, placed_films
 from estimator.updated_model.model import UpdatedModel
-from estimator.updated_model.uncertainty import standard_errors
 
 PLANES = ("horizontal", "vertical")
 """Planes in the order of x and y."""
@@ -39,21 +43,39 @@ def static_coupling_loads(model: UpdatedModel) -> tuple[FilmResult, ...]:
     states = journal_states(films, fitted, speed=speed)
     if states is None:
         return ()
-    force, slope = states.force[-1], states.force_slope[-1]
-    own = placed.numbers[: slope.shape[-1]]
-    covariance = model.covariance[np.ix_(own, own)] / np.outer(coordinates.unit[own], coordinates.unit[own])
-    added, by_added = films.own.load_changes(fitted).reshape(-1, 2), films.own.by_load.reshape(-1, 2, slope.shape[-1])
-    results = {}
-    for one in coupling_balances(model.machine):
-        for what, given, weight, load in (
-            ("shear", one.weight, one.carried, one.loaded),
-            ("moment", one.moment, one.arm, one.load_arm),
-        ):
-            value = -(given + weight @ force + load @ added)
-            by_own = -np.tensordot(weight, slope, 1) - np.tensordot(load, by_added, 1)
-            for place, plane in enumerate(PLANES):
-                results[f"coupling.{one.coupling}.static_{what}_{plane}"] = float(value[place]), by_own[place]
-    return tuple(
-        FilmResult(name, STATIC_LOAD_UNITS[describe(name).quantity], value, float(standard_errors(by_own, covariance)))
-        for name, (value, by_own) in results.items()
+    balances = coupling_balances(model.machine)
+
+    def at(other: Floats) -> Prediction | None:
+        found = journal_states(films, other, speed=speed)
+        return None if found is None else _predicted(balances, films, found, other)
+
+    count = films.own.count
+    loads = averaged_over_couplings(
+        at,
+        _predicted(balances, films, states, fitted),
+        names=[one.name for one in films.own.parameters],
+        fitted=fitted,
+        covariance=covariance_of(placed, model, coordinates)[:count, :count],
     )
+    names = [
+        f"coupling.{one.coupling}.static_{what}_{plane}"
+        for one in balances
+        for what in ("shear", "moment")
+        for plane in PLANES
+    ]
+    return tuple(
+        FilmResult(name, STATIC_LOAD_UNITS[describe(name).quantity], value, error)
+        for name, value, error in zip(names, loads.value.tolist(), loads.error.tolist(), strict=True)
+    )
+
+
+def _predicted(balances: Sequence[CouplingBalance], films: FilmModel, states: JournalStates, fitted: Floats) -> Prediction:
+    """Return shear and moment of each coupling, horizontal and vertical, with their derivatives by the films' own numbers."""
+    force, slope = states.force[-1], states.force_slope[-1]
+    added, by_added = films.own.load_changes(fitted).reshape(-1, 2), films.own.by_load.reshape(-1, 2, slope.shape[-1])
+    values, slopes = [np.zeros(0)], [np.zeros((0, slope.shape[-1]))]
+    for one in balances:
+        for given, weight, load in ((one.weight, one.carried, one.loaded), (one.moment, one.arm, one.load_arm)):
+            values.append(-(given + weight @ force + load @ added))
+            slopes.append(-np.tensordot(weight, slope, 1) - np.tensordot(load, by_added, 1))
+    return Prediction(np.concatenate(values), np.concatenate(slopes))

@@ -10,7 +10,7 @@ from estimator.alignment.load_change import LoadChange, load_changes
 from estimator.diagnosis.alignment_size import has_moved
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine, parse_machine
-from estimator.updated_model.film_results import WEIGHT_ERROR
+from estimator.updated_model.bearing_loads import WEIGHT_ERROR
 from estimator.updated_model.model import expected_model
 from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.updated_model.test_alignment_results import SPREAD

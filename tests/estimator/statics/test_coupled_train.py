@@ -14,7 +14,8 @@ from estimator.rotor.response import response
 from estimator.statics.coupled_train import coupled_train, train_statics
 from estimator.statics.film_model import film_model
 from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
-from estimator.updated_model.film_results import WEIGHT_ERROR, film_results
+from estimator.updated_model.bearing_loads import WEIGHT_ERROR
+from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import expected_model, model_at
 from tests.estimator.statics.test_film_model import SPEED, document, drawn
 

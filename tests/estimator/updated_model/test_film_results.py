@@ -12,8 +12,9 @@ from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.film_model import film_model
 from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.bearing_loads import WEIGHT_ERROR
 from estimator.updated_model.derived_quantities import model_quantities
-from estimator.updated_model.film_results import WEIGHT_ERROR, FilmResult, film_results, placed_films
+from estimator.updated_model.film_results import FilmResult, film_results, placed_films
 from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.models import rich_model
 from tests.estimator.statics.test_film_model import document
@@ -67,7 +68,7 @@ def test_speeds_are_the_lowest_a_middle_and_the_running_one() -> None:
 
 
 def test_coefficients_loads_and_positions_are_those_of_the_equilibrium() -> None:
-    model = uncertain(machine_of(discrepancy=0.0))
+    model = uncertain(machine_of(discrepancy=0.0), size=0.05)
     found = by_name(model)
     for rpm in reported_rpm(model.machine):
         exact = solved(model, rpm)
@@ -100,7 +101,7 @@ def test_loads_carry_the_weight_of_the_train() -> None:
 
 
 def test_errors_are_those_of_differences() -> None:
-    model = uncertain(machine_of(discrepancy=0.05))
+    model = uncertain(machine_of(discrepancy=0.05), size=0.05)
 
     def values(one: UpdatedModel) -> Floats:
         return np.array([result.value for result in film_results(one)])

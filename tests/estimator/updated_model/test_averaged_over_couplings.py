@@ -1,0 +1,143 @@
+"""Averages over couplings that are open: first order where they are well known, and drawn samples where they are not."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from estimator.arrays import Floats
+from estimator.machine.film_speeds import reported_rpm
+from estimator.statics.journal_states import journal_states
+from estimator.updated_model.averaged_over_couplings import OPEN, Averaged, Prediction, averaged_over_couplings
+from estimator.updated_model.film_results import film_results, placed_films
+from estimator.updated_model.model import UpdatedModel, expected_model
+from estimator.updated_model.uncertainty import standard_errors
+from tests.estimator.updated_model.test_alignment_results import before, machine_of
+
+NAMES = ("coupling.C1.kxx", "coupling.C1.kyy", "bearing.B1.elevation_y")
+STIFFNESS = 1.2e6
+
+
+def pushed(fitted: Floats) -> Prediction:
+    """The force of a spring of the first stiffness, whose end is raised by so many tenths of a mm, and 1 kN besides."""
+    force = STIFFNESS * np.exp(fitted[0]) * 1e-4 * fitted[2]
+    return Prediction(np.array([1000.0 + force]), np.array([[force, 0.0, STIFFNESS * np.exp(fitted[0]) * 1e-4]]))
+
+
+def averaged(covariance: Floats, *, at: Floats, predict: Callable[[Floats], Prediction | None] = pushed) -> Averaged:
+    return averaged_over_couplings(predict, pushed(at), names=NAMES, fitted=at, covariance=covariance)
+
+
+def covariance_of(spreads: Floats, correlation: Floats) -> Floats:
+    """A covariance with given standard deviations."""
+    root = np.eye(len(spreads)) + 0.3 * correlation
+    whole = root @ root.T
+    size = np.sqrt(np.diag(whole))
+    return np.asarray(whole / np.outer(size, size) * np.outer(spreads, spreads))
+
+
+@given(st.integers(0, 2**31), st.floats(0.01, OPEN / 2))
+def test_where_stiffness_is_well_known_it_is_first_order(seed: int, spread: float) -> None:
+    rng = np.random.default_rng(seed)
+    covariance = covariance_of(np.array([spread, spread, 1.0]), rng.standard_normal((3, 3)))
+    at = rng.standard_normal(3)
+    found, central = averaged(covariance, at=at), pushed(at)
+    assert found.value == pytest.approx(central.value, rel=1e-12)
+    assert found.error == pytest.approx(standard_errors(central.slope, covariance), rel=1e-12)
+
+
+@given(st.integers(0, 2**31), st.floats(OPEN, 1.5))
+def test_a_prediction_that_is_linear_is_first_order_however_open_stiffness_is(seed: int, spread: float) -> None:
+    rng = np.random.default_rng(seed)
+    covariance = covariance_of(np.array([spread, 0.8 * spread, 1.0]), rng.standard_normal((3, 3)))
+    slope, at = rng.standard_normal((4, 3)), rng.standard_normal(3)
+
+    def linear(fitted: Floats) -> Prediction:
+        return Prediction(slope @ fitted, slope)
+
+    found = averaged_over_couplings(linear, linear(at), names=NAMES, fitted=at, covariance=covariance)
+    np.testing.assert_allclose(found.value, slope @ at, atol=1e-9)
+    np.testing.assert_allclose(found.error, standard_errors(slope, covariance), rtol=1e-6)
+
+
+@pytest.mark.parametrize("spread", [0.3, 0.5, 0.7])
+@pytest.mark.parametrize("raised", [0.0, 1.0])
+def test_where_it_is_open_mean_and_spread_are_those_of_drawn_samples(spread: float, raised: float) -> None:
+    covariance = covariance_of(np.array([spread, 0.05, 1.0]), np.zeros((3, 3)))
+    covariance[0, 2] = covariance[2, 0] = -0.4 * spread
+    at = np.array([0.0, 0.0, raised])
+    drawn = np.random.default_rng(1).multivariate_normal(at, covariance, 400_000)
+    force = 1000.0 + STIFFNESS * np.exp(drawn[:, 0]) * 1e-4 * drawn[:, 2]
+    found, first_order = averaged(covariance, at=at), standard_errors(pushed(at).slope, covariance)
+    assert found.value[0] == pytest.approx(force.mean(), abs=0.05 * force.std())
+    assert found.error[0] == pytest.approx(force.std(), rel=0.12)
+    assert abs(found.error[0] - force.std()) < abs(first_order[0] - force.std())
+
+
+def test_stiffnesses_that_are_open_together_are_counted_once() -> None:
+    """Of two that are perfectly correlated the sum of two averages would widen twice."""
+    at, spread = np.array([0.0, 0.0, 0.0]), 0.5
+
+    def twice(fitted: Floats) -> Prediction:
+        one, other = (1e-4 * STIFFNESS * np.exp(fitted[place]) for place in (0, 1))
+        force = 0.5 * (one + other) * fitted[2]
+        return Prediction(np.array([force]), np.array([[one * fitted[2] / 2, other * fitted[2] / 2, (one + other) / 2]]))
+
+    together = np.array([[spread**2, spread**2, 0.0], [spread**2, spread**2, 0.0], [0.0, 0.0, 1.0]])
+    alone = np.diag([spread**2, 1e-8, 1.0])
+    found = averaged_over_couplings(twice, twice(at), names=NAMES, fitted=at, covariance=together)
+    assert found.error == pytest.approx(averaged(alone, at=at).error, rel=1e-4)
+
+
+def test_without_equilibrium_at_the_far_points_nearer_ones_count_and_without_any_first_order() -> None:
+    covariance, at = np.diag([0.25, 1e-6, 1.0]), np.array([0.0, 0.0, 0.5])
+
+    def within(limit: float) -> Callable[[Floats], Prediction | None]:
+        return lambda fitted: pushed(fitted) if abs(fitted[0]) <= limit else None
+
+    first_order = standard_errors(pushed(at).slope, covariance)
+    near = averaged(covariance, at=at, predict=within(0.6))
+    assert first_order[0] < near.error[0] < averaged(covariance, at=at).error[0]
+    none = averaged(covariance, at=at, predict=within(0.1))
+    assert none.error == pytest.approx(first_order)
+    assert none.value == pytest.approx(pushed(at).value)
+
+
+def with_open_coupling(spread: float) -> UpdatedModel:
+    """A motor-compressor aligned as its document says, whose coupling is open and whose bearings' heights are, by 100 µm."""
+    model = before(expected_model(machine_of()))
+    sizes = np.sqrt(np.diag(model.covariance))
+    for place, name in enumerate(model.coordinates):
+        if name.startswith("coupling."):
+            sizes[place] = spread if ".k" in name else 0.0
+        elif ".elevation_" in name:
+            sizes[place] = 100e-6 if name.startswith("bearing.B3.elevation_y") else 0.0
+        else:
+            sizes[place] = 0.0
+    return replace(model, covariance=np.diag(sizes**2))
+
+
+def test_loads_of_a_train_whose_coupling_is_open_are_those_of_drawn_trains() -> None:
+    model = with_open_coupling(0.6)
+    speed = np.array([reported_rpm(model.machine)[-1] * np.pi / 30])
+    coordinates = model.coordinates_at(speed)
+    placed_at = placed_films(coordinates)
+    assert placed_at is not None
+    placed, films = placed_at
+    rng, size = np.random.default_rng(3), np.sqrt(np.diag(model.covariance))
+    drawn = []
+    for _ in range(300):
+        found = journal_states(
+            films, placed.own(coordinates.theta(model.values + size * rng.standard_normal(size.size))), speed=speed
+        )
+        assert found is not None
+        drawn.append(found.force[-1, :, 1])
+    told = {one.name: one for one in film_results(model)}
+    loads = [told[f"bearing.B{number}.load_vertical"] for number in range(1, 5)]
+    error = np.std(drawn, axis=0)
+    assert [one.error for one in loads] == pytest.approx(error, rel=0.15)
+    assert np.abs(np.array([one.value for one in loads]) - np.mean(drawn, axis=0)).max() < 0.15 * error.max()
+    assert sum(one.value for one in loads) == pytest.approx(np.sum(np.mean(drawn, axis=0)), rel=1e-6)
