@@ -35,6 +35,8 @@ HOTTEST_FILM = 95.0
 """Highest effective temperature of a film of a train that is taken [°C]."""
 SUPPORT_SPREAD = 0.15
 """Standard deviation of the logarithm by which coefficients of bearings that are no films differ from what is believed [-]."""
+ROUND_BORES = ("plain", "grooved", "elliptical")
+"""Bores of the films of mixed trains of other proportions."""
 CHECKED_SPEEDS = 9
 """Speeds at which a train's stability is checked."""
 
@@ -118,6 +120,7 @@ def mixed_plant(
     priors: Priors = PRIORS,
     discrepancy: DiscrepancySize | None = None,
     supports: Callable[[np.random.Generator, int], Floats] = drawn_supports,
+    design: Design = PLAIN_DESIGN,
 ) -> Plant:
     """Draw a train of which one shaft runs on films, the other on rolling elements (even seeds) or by a maker's table.
 
@@ -129,6 +132,7 @@ def mixed_plant(
         discrepancy: Size of the films' discrepancies; None for none.
         supports: Function of a random generator and the number of bearings that are no films that returns the factors on their
             true kxx, kyy, cxx and cyy (n, 4) [-].
+        design: Kind of the train and of its films.
 
     Returns:
         The plant.
@@ -137,7 +141,7 @@ def mixed_plant(
     supported = 0 if seed % 4 < 2 else 1
 
     def draw() -> Plant | None:
-        believed, kind, fastest = believed_train(rng, PLAIN_DESIGN)
+        believed, kind, fastest = believed_train(rng, design)
         slowest = float(rng.uniform(0.15, 0.2) * fastest)
         bearings = []
         for one in believed.bearings:
@@ -147,12 +151,59 @@ def mixed_plant(
                 one = replace(one, own=own)
             bearings.append(one)
         believed = replace(believed, bearings=tuple(bearings))
-        truth = _truth(believed, rng, priors, kind)
-        factors = iter(supports(rng, sum(one.own is not None for one in truth.bearings)))
-        off = tuple(one if one.own is None else replace(one, own=one.own.scaled(next(factors))) for one in truth.bearings)
-        return _checked(Plant(f"mixed {seed}", replace(truth, bearings=off), believed, slowest, fastest))
+        truth = _supports_changed(_truth(believed, rng, priors, kind), rng, supports)
+        return _checked(Plant(f"mixed {seed}", truth, believed, slowest, fastest))
 
     return _with_discrepancy(_first(draw, f"mixed train of seed {seed}"), discrepancy, rng)
+
+
+def other_mixed_plant(seed: int, *, discrepancy: DiscrepancySize | None = None) -> Plant:
+    """Draw a train of two or three shafts of other proportions, one of which runs on rolling elements.
+
+    Args:
+        seed: Seed of the random generator.
+        discrepancy: Size of the films' discrepancies; None for none.
+
+    Returns:
+        The plant.
+    """
+    rng = np.random.default_rng([seed, 77])
+
+    def believed_one() -> tuple[Train, CouplingKind, float]:
+        while True:
+            found = other_train(rng)
+            if len(found[0].shafts) > 1 and found[0].bearings[0].profile in ROUND_BORES:
+                return found
+
+    def draw() -> Plant | None:
+        believed, kind, fastest = believed_one()
+        rolls = int(rng.integers(len(believed.shafts)))
+        slowest = float(rng.uniform(0.15, 0.3) * fastest)
+        load = 0.5 * believed.gravity * _mass(believed, rolls)
+        bearings = tuple(
+            replace(one, pedestal=None, own=rolling(load, fastest, rng) if one.shaft == rolls else None)
+            for one in believed.bearings
+        )
+        believed = replace(believed, bearings=bearings)
+        truth = _supports_changed(_truth(believed, rng, PRIORS, kind), rng, drawn_supports)
+        return _checked(Plant(f"other mixed {seed}", truth, believed, slowest, fastest))
+
+    return _with_discrepancy(_first(draw, f"other mixed train of seed {seed}"), discrepancy, rng)
+
+
+def _mass(train: Train, shaft: int) -> float:
+    """Mass of a shaft with its discs [kg]."""
+    steel = sum(train.material.density * np.pi / 4 * length * diameter**2 for length, diameter in train.shafts[shaft].pieces)
+    return float(steel + sum(one.mass for one in train.discs if one.shaft == shaft))
+
+
+def _supports_changed(train: Train, rng: np.random.Generator, supports: Callable[[np.random.Generator, int], Floats]) -> Train:
+    """The train with factors on the coefficients of its bearings that are no films."""
+    factors = iter(supports(rng, sum(one.own is not None for one in train.bearings)))
+    return replace(
+        train,
+        bearings=tuple(one if one.own is None else replace(one, own=one.own.scaled(next(factors))) for one in train.bearings),
+    )
 
 
 def motor_compressor_plant(
