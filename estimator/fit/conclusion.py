@@ -22,6 +22,7 @@ from estimator.fit.validation.omitted_warming import viscosity_trend, warming_wo
 from estimator.fit.validation.physical_limits import LimitsFunction, without_growing_modes
 from estimator.fit.validation.profile_likelihood import flat_coordinates
 from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
+from estimator.fit.validation.table_cross_terms import judge_table_cross_terms
 from estimator.fit.validation.table_factors import judge_table_factors
 
 LARGEST_CONDITION = 1e5
@@ -118,7 +119,10 @@ def _form_verdict(
     of_forces = judge_exact_forces(problem, found, covariance, inflation=inflation)
     if excess:  # what films cannot explain is no force's: scores say nothing then
         return FormVerdict(whole, words, remarks, resting=of_forces.resting)
-    judged = [of_forces, judge_sharp_deviations(problem, found, covariance, inflation=inflation), of_tables]
+    far = bool(of_tables.remark)
+    of_cross_terms = judge_table_cross_terms(problem, found, covariance, far=far, inflation=inflation)
+    of_sharpness = judge_sharp_deviations(problem, found, covariance, inflation=inflation)
+    judged = [of_forces, of_sharpness, of_tables, of_cross_terms]
     if needs_form(problem):
         of_form = judge_form(problem, found, covariance, condition)
         judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))

@@ -89,6 +89,20 @@ VERDICTS: Mapping[str, str] = {
         "abweichen: Vertrauensbereiche sind verbreitert"
     ),
     (
+        "the data want {quantity} of the table of {element} to be off by {size} % beside its factors ({errors} standard "
+        "errors): state the table's coefficients as they are"
+    ): (
+        "die Daten verlangen {quantity} der Tabelle von {element} um {size} % neben ihren Faktoren verändert ({errors} "
+        "Standardfehler): die Koeffizienten der Tabelle angeben, wie sie sind"
+    ),
+    (
+        "the data want {quantity} of the table of {element} to be off by {size} % beside its factors ({errors} standard "
+        "errors): intervals are widened"
+    ): (
+        "die Daten verlangen {quantity} der Tabelle von {element} um {size} % neben ihren Faktoren verändert ({errors} "
+        "Standardfehler): Vertrauensbereiche sind verbreitert"
+    ),
+    (
         "the table of {element} seems off by {size} %, more than its scale_spread of {spread} % says: intervals are widened "
         "(state its coefficients, or its spread, as they are)"
     ): (
