@@ -61,7 +61,7 @@ Predict = Callable[[Floats], Prediction | None]
 def averaged_over_couplings(
     predict: Predict, central: Prediction, *, names: Sequence[str], fitted: Floats, covariance: Floats
 ) -> Averaged:
-    """Average a prediction over the couplings' stiffness where that is open (Abramowitz and Stegun, 1964, 25.4.46).
+    """Compute a prediction's mean and error over couplings' stiffness that is open (Abramowitz and Stegun, 1964, 25.4.46).
 
     Several open stiffnesses are taken along the principal axes of their covariance, one at a time; what each adds to the mean
     and to the variance of first order is summed, to the variance nothing less than zero. It is first order where none is open,
