@@ -9,6 +9,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.trends.parameter_vector import Point
 from service.alerts.lifecycle import Severity
+from service.monitoring.assessment.alignment_steps import has_step
 from service.monitoring.assessment.context import (
     WEEK,
     AssessedRun,
@@ -98,6 +99,9 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
         loads=tuple(_coupled_loads(session, machine, stored, compared_ids)),
         second_orders=tuple(_second_orders(session, machine, stored, compared_ids)),
         numbers=_stored_numbers(session, stored),
+        open_steps={
+            one.element: int(one.evidence["first_identification"]) for one in state.open_alerts if has_step(one.evidence)
+        },
     )
 
 
