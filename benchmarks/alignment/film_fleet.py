@@ -182,8 +182,8 @@ class _Life:
         self.since = {key: began for key, began in self.since.items() if key in now}
 
     def _note_step(self, one: DiagnosedCause, key: tuple[str, str]) -> None:
-        """Note with which run a step of an alignment began, as the alert's evidence does."""
-        first = min(one.began, self.since.get(key, one.began))
+        """Note when a step of an alignment began, as the alert's evidence does."""
+        first = min(one.began_at, self.since.get(key, one.began_at))
         self.since[key] = first
         self.steps.pop(one.cause.element, None)
         if has_step({"quantities": one.size.quantities}):

@@ -119,12 +119,12 @@ def _angles(q: Numbers, language: Language) -> Iterator[str]:
 
 
 def _steps(q: Numbers, language: Language) -> Iterator[str]:
-    """Yield the steps against the runs just before that differ from the change since the baseline."""
+    """Yield the steps against the runs just before that read otherwise than the change since the baseline."""
     for what, unit in (("offset", "um"), ("angle", "urad")):
         for plane in PLANES:
             value, half = q.get(f"step_{what}_{plane}_{unit}"), q.get(f"step_{what}_{plane}_half_width_{unit}", 0.0)
-            whole, width = q.get(f"{what}_{plane}_{unit}", 0.0), q.get(f"{what}_{plane}_half_width_{unit}", 0.0)
-            if value is not None and abs(value) > half and abs(value - whole) > half + width:
+            whole = q.get(f"{what}_{plane}_{unit}", 0.0)
+            if value is not None and abs(value) > half and abs(value - whole) > 0.5 * half:
                 shown_value = (
                     shown_length(abs(value), half, language)
                     if what == "offset"

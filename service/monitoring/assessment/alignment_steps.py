@@ -4,6 +4,7 @@ Over a year pedestals grow by as much as a step that should be told, so that com
 that growth. Within some weeks they hardly grow.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean
@@ -59,26 +60,26 @@ def alignment_steps(context: AssessmentContext, compared: BaselineComparison) ->
     if not runs or runs[-1][0].id != context.after[-1].id:
         return
     found: set[str] = set()
-    for comparison in _comparisons(context, runs, compared.variation):
+    for comparison, of in _comparisons(context, runs, compared.variation):
         diagnosis = comparison.watch.found(
             comparison.observations, on_delay=lambda kind, element: delays(context.limits, kind, element)[0]
         )
         for cause, others in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
-            if cause.kind == MISALIGNMENT.name and cause.element not in found:
+            if cause.kind == MISALIGNMENT.name and cause.element in of - found:
                 found.add(cause.element)
                 yield AlignmentStep(comparison, Diagnosis((cause,), (others,)))
 
 
-def step_has_gone(context: AssessmentContext, compared: BaselineComparison, element: str) -> bool:
-    """Return whether the newest runs no longer show the step of an open alert; True where it tells of none."""
+def step_has_gone(context: AssessmentContext, compared: BaselineComparison, element: str) -> bool | None:
+    """Return whether the newest runs no longer show the step of an open alert; None where none is known of."""
     began = context.open_steps.get(element)
     if began is None or compared.variation is None:
-        return True
+        return None
     comparison = _compared_since(context.machine, _film_runs(context, compared), began, compared.variation)
+    if comparison is None:
+        return None
     off_delay = delays(context.limits, MISALIGNMENT.name, element)[1]
-    return comparison is None or comparison.watch.has_gone(
-        comparison.observations, MISALIGNMENT.name, element, off_delay=off_delay
-    )
+    return comparison.watch.has_gone(comparison.observations, MISALIGNMENT.name, element, off_delay=off_delay)
 
 
 def with_step(size: ChangeSize, step: ChangeSize) -> ChangeSize:
@@ -116,31 +117,47 @@ _FilmRuns = Sequence[tuple[AssessedRun, Observation]]
 
 
 def _film_runs(context: AssessmentContext, compared: BaselineComparison) -> _FilmRuns:
+    """Return the newest runs that a step is looked for in; with open steps all, since these may have begun with any."""
     machine, names = context.machine, compared.watch.reference.names
-    newest = [*context.baseline, *context.after]
-    found = []
-    for run in newest:
-        if run.fit.accepted and is_of_films(run.fit, machine):
+    enough = math.inf if context.open_steps else MOST_BEFORE + max(_windows(context), default=0)
+    found: list[tuple[AssessedRun, Observation]] = []
+    for run in reversed([*context.baseline, *context.after]):
+        if run.fit.accepted and len(found) < enough and is_of_films(run.fit, machine):
             said = film_observation(run.fit, machine, run.conditions)
             if said.names == names and not is_uninformative(said):
-                found.append((run, said))
+                found.insert(0, (run, said))
     return found
 
 
-def _comparisons(context: AssessmentContext, runs: _FilmRuns, variation: HealthyVariation) -> Iterator[BaselineComparison]:
-    """Yield the comparisons of the newest runs with those before: before each open step, then before the newest few."""
-    for began in dict.fromkeys(context.open_steps.values()):
-        if (since := _compared_since(context.machine, runs, began, variation)) is not None:
-            yield since
+def _windows(context: AssessmentContext) -> list[int]:
+    """Return the numbers of newest runs in which a step is looked for."""
     agree = {delays(context.limits, MISALIGNMENT.name, f"coupling.{one.id}")[0] for one in context.machine.couplings}
-    for count in sorted(count for needed in agree for count in (needed, needed + 1)):
+    return sorted({count for needed in agree for count in (needed, needed + 1)})
+
+
+def _comparisons(
+    context: AssessmentContext, runs: _FilmRuns, variation: HealthyVariation
+) -> Iterator[tuple[BaselineComparison, frozenset[str]]]:
+    """Yield comparisons of the newest runs with those before, each with the couplings of which it says whether they moved.
+
+    Where a step is open, the runs before it say whether it stands; what it does since, such as going back, is none of its own.
+    """
+    unmoved = {f"coupling.{one.id}" for one in context.machine.couplings}
+    for element, began in context.open_steps.items():
+        if (since := _compared_since(context.machine, runs, began, variation)) is not None:
+            unmoved -= {element}
+            yield since, frozenset({element})
+    for count in _windows(context):
         if (newest := _compared_from(context.machine, runs, len(runs) - count, variation)) is not None:
-            yield newest
+            yield newest, frozenset(unmoved)
 
 
 def _compared_since(machine: Machine, runs: _FilmRuns, began: int, variation: HealthyVariation) -> BaselineComparison | None:
-    """Compare the runs from an identification on with those before it; return None where it is not known any more."""
-    place = next((place for place, (run, _) in enumerate(runs) if run.id == began), None)
+    """Compare the runs since a step began [ns] with those before it; return None where these are not known any more.
+
+    It may have begun with a run of another kind.
+    """
+    place = next((place for place, (run, _) in enumerate(runs) if run.measured_at >= began), None)
     return None if place is None else _compared_from(machine, runs, place, variation)
 
 

@@ -212,9 +212,10 @@ def _cleared_causes(
         off_delay = delays(context.limits, kind, element)[1]
         if (kind, element) in seen:
             return True
-        if not compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay):
-            return False
-        return kind != MISALIGNMENT.name or step_has_gone(context, compared, element)
+        step_gone = step_has_gone(context, compared, element) if kind == MISALIGNMENT.name else None
+        if step_gone is not None:
+            return step_gone
+        return compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay)
 
     return frozenset(one for one in context.open_causes if is_gone(*one))
 

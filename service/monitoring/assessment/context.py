@@ -97,7 +97,7 @@ class AssessmentContext:
     alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
     rule by element. compared: comparison of the newest run, None where it was not accepted. loads: those in its couplings.
     second_orders: amplitudes of the 2× near running speed, of the probes that measure it. numbers: those of the newest run.
-    open_steps: identification with which the step of an alignment began that an open alert reports, by element.
+    open_steps: when the step of an alignment began that an open alert reports [ns], by element.
     """
 
     machine: Machine

@@ -13,7 +13,7 @@ import pytest
 from service.monitoring.assessment.alignment_steps import has_step
 from service.monitoring.assessment.assess import assess
 from service.monitoring.assessment.baseline_comparison import compare
-from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
+from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
 from service.monitoring.rules.limits import Limits
 from tests.film_plant.scatter import run_of
 from tests.film_plant_tests.test_film_diagnosis import BASELINE, assessed, baseline, gated, machine, plant, sunk
@@ -42,7 +42,7 @@ def context(offsets: Sequence[float], *, step_open_since: int | None = None) -> 
         open_causes=(MISALIGNED,) if is_open else (),
         history=None,
         open_rates={},
-        open_steps={"coupling.C1": BASELINE + step_open_since} if step_open_since is not None else {},
+        open_steps={"coupling.C1": (BASELINE + step_open_since) * WEEK} if step_open_since is not None else {},
     )
 
 
