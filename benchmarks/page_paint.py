@@ -15,7 +15,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, sync_playwright
 
-from tests.browser.story import BASELINE_RUNS, MACHINE, installed, launch, run_story
+from tests.browser.shown_service import BASELINE_RUNS, MACHINE, installed, launch, run_scenario
 from tests.end_to_end.processes import Service, until
 
 PAINT_ASKED_S = 0.6
@@ -67,7 +67,7 @@ def main(arguments: list[str] | None = None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         service = Service(Path(folder), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
         with service.running(), sync_playwright() as playwright:
-            run_story(service)
+            run_scenario(service)
             browser = launch(playwright, program)
             visits = [measure(browser, f"http://127.0.0.1:{service.port}/#/machines/{MACHINE}") for _ in range(options.runs)]
             browser.close()

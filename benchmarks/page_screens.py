@@ -1,7 +1,7 @@
 """Takes a picture of every view, by day, by night, in German and on a phone, and compares it with the last accepted one.
 
-Two pictures are the same where only a small part of their blocks differs clearly: times and noise differ in every run of the
-story. So of an accepted picture the mean brightness of each block is kept, as a PNG of some kB that is committed; `--accept`
+Two pictures are the same where only a small part of their blocks differs clearly: times and noise differ in every
+run. So of an accepted picture the mean brightness of each block is kept, as a PNG of some kB that is committed; `--accept`
 makes the new ones the accepted ones, `--taken` takes none anew. Other fonts or another browser than those of the accepted ones
 look otherwise: `--accepted` names a folder of one's own.
 
@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, ViewportSize, expect, sync_playwright
 
 from estimator.arrays import Floats
 from tests.browser.levels import COPY, FILMS, add_copy, add_films
-from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_story
+from tests.browser.shown_service import BASELINE_RUNS, ZONE, installed, launch, run_scenario
 from tests.browser.views import VIEWS, show
 from tests.end_to_end.processes import Service
 
@@ -126,7 +126,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def take_all(new: Path) -> list[Path]:
-    """Run the story, and take a picture of each view into a folder."""
+    """Run the scenario, and take a picture of each view into a folder."""
     program = installed()
     if program is None:
         raise SystemExit("page_screens: chromium is not installed: apt-get install chromium")
@@ -134,7 +134,7 @@ def take_all(new: Path) -> list[Path]:
     with tempfile.TemporaryDirectory() as folder:
         service = Service(Path(folder), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
         with service.running(), sync_playwright() as playwright:
-            run_story(service)
+            run_scenario(service)
             add_copy(service)
             add_films(service)
             browser = launch(playwright, program)

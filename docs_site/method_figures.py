@@ -71,7 +71,8 @@ def trend(*, short: bool) -> "Figure":
     count, pump = (2 if short else 6), _pump()
     healthy = [rd.identify(pump, rd.simulate(pump, run_seed=seed)) for seed in range(1, count + 1)]
     later = [
-        rd.identify(pump, rd.simulate(pump, story="misalignment", run_seed=seed)) for seed in range(count + 1, 2 * count + 1)
+        rd.identify(pump, rd.simulate(pump, scenario="misalignment", run_seed=seed))
+        for seed in range(count + 1, 2 * count + 1)
     ]
     return rd.plot_trend([*healthy, *later], "coupling.C1.kxx")
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Page, ViewportSize, expect, sync_playwright
 
-from tests.browser.story import ZONE, installed, launch
+from tests.browser.shown_service import ZONE, installed, launch
 
 PICTURE = Path(__file__).parents[1] / "docs" / "page.png"
 MACHINE = "motor-pump"

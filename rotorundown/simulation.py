@@ -17,9 +17,9 @@ from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.measurement import MeasuredGaps, Measurement
 from estimator.phasors.recorded_run import RecordedRun
+from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_gaps import simulated_gaps
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law, truth_at_progress, truth_of_run
-from estimator.simulation.stories import Story
 from estimator.units import KILOGRAM_METRES
 from rotorundown.machine_files import checked_machine
 from rotorundown.runs import MachineRun, sent_gaps
@@ -35,7 +35,7 @@ class NotSimulated(Invalid):
 def simulate(
     machine: Machine,
     *,
-    story: Story = "healthy",
+    scenario: Scenario = "healthy",
     progress: float = 1.0,
     samples: int = 200,
     seed: int = 1,
@@ -47,7 +47,7 @@ def simulate(
 
     Args:
         machine: The machine; its document must state nominal values.
-        story: What happens to it, such as `misalignment`.
+        scenario: What happens to it, such as `misalignment`.
         progress: How far that has gone, from 0 to 1 [-].
         samples: Number of samples.
         seed: Seed of the machine: the same one in every run.
@@ -61,12 +61,12 @@ def simulate(
 
     Raises:
         WrongMachine: The machine is a copy that contradicts itself.
-        NotSimulated: There is no such story, or a number is out of its range.
+        NotSimulated: There is no such scenario, or a number is out of its range.
         ValueError: The document does not say enough to simulate from.
     """
-    _require_possible(machine, story, progress, samples, duration_s)
+    _require_possible(machine, scenario, progress, samples, duration_s)
     _require_seeds(seed=seed, run_seed=run_seed)
-    true = truth_at_progress(draw_truth(machine, np.random.default_rng(seed)), machine, story, progress)
+    true = truth_at_progress(draw_truth(machine, np.random.default_rng(seed)), machine, scenario, progress)
     rng = np.random.default_rng([seed, run_seed])
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
     of_run = truth_of_run(true, rng)
@@ -81,7 +81,7 @@ def simulate(
     if place is not None:
         measurement = structs.replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
     return MachineRun(
-        f"simulated {story}",
+        f"simulated {scenario}",
         machine.channels,
         recorded,
         measurement,
@@ -91,13 +91,15 @@ def simulate(
     )
 
 
-def _require_possible(machine: Machine, story: str, progress: float, samples: int, duration_s: float) -> None:
+def _require_possible(machine: Machine, scenario: str, progress: float, samples: int, duration_s: float) -> None:
     if not isinstance(machine, Machine):
         raise NotSimulated(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
     checked_machine(machine)
-    stories = get_args(Story)
-    if story not in stories:
-        raise NotSimulated(f"there is no story {story!r}: there are {', '.join(stories)}{did_you_mean(str(story), stories)}")
+    scenarios = get_args(Scenario)
+    if scenario not in scenarios:
+        raise NotSimulated(
+            f"there is no scenario {scenario!r}: there are {', '.join(scenarios)}{did_you_mean(str(scenario), scenarios)}"
+        )
     if not 0.0 <= progress <= 1.0:
         raise NotSimulated(f"progress {progress:g} is not from 0 to 1")
     if not isinstance(samples, Integral):

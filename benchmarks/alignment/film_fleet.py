@@ -17,6 +17,7 @@ from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.recorded_run import RecordedRun
 from service.alerts.lifecycle import Severity
+from service.monitoring.assessment.alignment_steps import has_step
 from service.monitoring.assessment.assess import assess
 from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, AssessmentContext, DiagnosedCause
 from service.monitoring.rules.diagnosis_rules import cause_severity
@@ -106,6 +107,8 @@ class _Life:
         self.first: Identification | None = None
         self.processor = 0.0
         self.standing: dict[tuple[str, str], Severity] = {}
+        self.steps: dict[str, int] = {}
+        self.since: dict[tuple[str, str], int] = {}
         self.opened: list[OpenedAlert] = []
         self.told: float | None = None
 
@@ -154,6 +157,7 @@ class _Life:
             open_causes=tuple(self.standing),
             history=None,
             open_rates={},
+            open_steps=self.steps,
         )
         diagnosis = assess(context).diagnosis
         if diagnosis is None:
@@ -165,6 +169,8 @@ class _Life:
             if severity is None:
                 continue
             now[key] = severity
+            if one.cause.kind == "misalignment":
+                self._note_step(one, key)
             if severity > self.standing.get(key, 0):
                 told = one.size.quantities.get("offset_vertical_um")
                 rule = finding_rule(one.cause.kind).rule.name
@@ -172,6 +178,16 @@ class _Life:
             if one.cause.kind == "misalignment" and week == self.history.onset + 2:
                 self.told = one.size.quantities.get("offset_vertical_um")
         self.standing = now
+        self.steps = {element: began for element, began in self.steps.items() if ("misalignment", element) in now}
+        self.since = {key: began for key, began in self.since.items() if key in now}
+
+    def _note_step(self, one: DiagnosedCause, key: tuple[str, str]) -> None:
+        """Note when a step of an alignment began, as the alert's evidence does."""
+        first = min(one.began_at, self.since.get(key, one.began_at))
+        self.since[key] = first
+        self.steps.pop(one.cause.element, None)
+        if has_step({"quantities": one.size.quantities}):
+            self.steps[one.cause.element] = first
 
 
 def _lived(history: FilmHistory, weeks: int) -> FleetRecord:

@@ -125,10 +125,12 @@ def living(service: Service, folder: Path, options: argparse.Namespace) -> Abstr
     files = [folder / f"{machine}.yaml" for machine in machines]
     for file in files:
         file.write_text(yaml.safe_dump(example(MACHINE) | {"id": file.stem}))
-    stories = [f"{file}:{story}" for file, story in zip(files, itertools.cycle(("healthy", "misalignment", "unbalance")))]
+    scenarios = [
+        f"{file}:{scenario}" for file, scenario in zip(files, itertools.cycle(("healthy", "misalignment", "unbalance")))
+    ]
     rate = options.rate / options.machines
     cycles = round((60 * options.minutes + 60) * rate / (2 * options.samples)) + 1
-    arguments = ["-m", "service", "simulate", *stories, "--connect", service.endpoint, "--cycles", str(cycles)]
+    arguments = ["-m", "service", "simulate", *scenarios, "--connect", service.endpoint, "--cycles", str(cycles)]
     arguments += ["--samples", str(options.samples), "--rate", str(rate)]
     return publishing(*arguments, "--interval-days", str(options.hours_between / 24.0))
 

@@ -49,7 +49,7 @@ Draw = Callable[[Machine, int, int, np.random.Generator], list[MachineChange]]
 
 
 @dataclass(frozen=True)
-class Scenario:
+class FleetScenario:
     """A kind of history. baseline: runs known to be good."""
 
     name: str
@@ -155,17 +155,17 @@ def _probe(machine: Machine, channel: int) -> str:
 SCENARIOS = {
     one.name: one
     for one in (
-        Scenario("healthy", _nothing),
-        Scenario("short baseline", _nothing, baseline=SHORT_BASELINE),
-        Scenario("outliers", _outliers),
-        Scenario("unbalance step", _unbalance),
-        Scenario("probe drifts", _gain),
-        Scenario("probe lost", _lost),
-        Scenario("all together", _everything, baseline=SHORT_BASELINE),
-        Scenario("misalignment step", _misaligned(case_a1, 0)),
-        Scenario("misalignment drift", _misaligned(case_a1, DRIFT_WEEKS)),
-        Scenario("smaller misalignment step", _misaligned(case_a1_least_squares, 0)),
-        Scenario("bearing step", _bearing),
-        Scenario("run-out step", _run_out),
+        FleetScenario("healthy", _nothing),
+        FleetScenario("short baseline", _nothing, baseline=SHORT_BASELINE),
+        FleetScenario("outliers", _outliers),
+        FleetScenario("unbalance step", _unbalance),
+        FleetScenario("probe drifts", _gain),
+        FleetScenario("probe lost", _lost),
+        FleetScenario("all together", _everything, baseline=SHORT_BASELINE),
+        FleetScenario("misalignment step", _misaligned(case_a1, 0)),
+        FleetScenario("misalignment drift", _misaligned(case_a1, DRIFT_WEEKS)),
+        FleetScenario("smaller misalignment step", _misaligned(case_a1_least_squares, 0)),
+        FleetScenario("bearing step", _bearing),
+        FleetScenario("run-out step", _run_out),
     )
 }

@@ -34,7 +34,7 @@ ELEVATION_SCATTER = 1e-6
 THINNING = -0.03
 """Change of the logarithm of viscosity with a usual change of a condition, such as 10 K of oil [-]."""
 SETTLEMENT = 2.0
-"""Distance by which the bearings behind a coupling are lower at the end of the misalignment story, in clearances [-]."""
+"""Distance by which the bearings behind a coupling are lower at the end of the misalignment scenario, in clearances [-]."""
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from estimator.rotor.condensation import condense
 from estimator.rotor.parameters import Unknowns, unknowns
 from estimator.rotor.response import response
 from estimator.runs.segmentation import RunKind
+from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_films import SimulatedFilms, draw_films
-from estimator.simulation.stories import Story
 from estimator.trends.covariates import usual_change
 from estimator.units import rpm_to_rad_per_s
 
@@ -30,9 +30,9 @@ RUN_SCATTER: dict[Quantity, float] = {"damping": 0.02, "angular damping": 0.02, 
 OTHER_RUN_SCATTER = 0.005
 """Relative run-to-run scatter of the quantities not named there, stiffnesses and inertias [-]."""
 COUPLING_STIFFENING = 0.6
-"""Relative growth of a coupling's coefficients at the end of the misalignment story [-]."""
+"""Relative growth of a coupling's coefficients at the end of the misalignment scenario [-]."""
 BEARING_STIFFENING = 0.25
-"""Relative growth of the coefficients of the bearings beside it at the end of the misalignment story [-]."""
+"""Relative growth of the coefficients of the bearings beside it at the end of the misalignment scenario [-]."""
 CONDITION_LEVEL = 5.0
 """Mean of a simulated operating condition in usual changes of it [-]: 50 °C, 100 %."""
 SEASON, WEATHER = 1.0, 0.3
@@ -42,7 +42,7 @@ CONDITION_EFFECT = -0.01
 YEAR_S = 365.25 * 86_400.0
 """Length of a year [s]."""
 UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
-"""Factor on one disc's unbalance at the end of the unbalance story: larger and elsewhere [-]."""
+"""Factor on one disc's unbalance at the end of the unbalance scenario: larger and elsewhere [-]."""
 
 
 @dataclass(frozen=True)
@@ -105,24 +105,24 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     return Truth(unknown, expected * factor, turned, factors, draw_films(machine, stiffness, rng))
 
 
-def truth_at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
-    """Return the truth when a story has gone a part of its way.
+def truth_at_progress(truth: Truth, machine: Machine, scenario: Scenario, progress: float) -> Truth:
+    """Return the truth when a scenario has gone a part of its way.
 
     Args:
         truth: Truth of the healthy machine.
         machine: The machine.
-        story: The story.
+        scenario: The scenario.
         progress: Part of its way, from 0 (healthy) to 1 [-].
 
     Returns:
         The truth then.
 
     Raises:
-        ValueError: The story is of misalignment and the machine has no coupling.
+        ValueError: The scenario is of misalignment and the machine has no coupling.
     """
-    if story == "misalignment":
+    if scenario == "misalignment":
         return _misaligned(truth, machine, progress)
-    if story == "unbalance":
+    if scenario == "unbalance":
         unbalances = truth.unbalances.copy()
         unbalances[0] *= 1.0 + progress * (UNBALANCE_GROWTH - 1.0)
         return replace(truth, unbalances=unbalances)

@@ -9,27 +9,27 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.machine.coupling_neighbours import probes_beside
 from estimator.machine.document import Machine
+from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_plant import noise
-from estimator.simulation.stories import Story
 
 PART = 0.1
 """Amplitude of the 2× over that of the 1× of a healthy machine [-]."""
 MISALIGNED_PART = 0.3
-"""Ratio beside a misaligned coupling at the end of its story [-]."""
+"""Ratio beside a misaligned coupling at the end of its scenario [-]."""
 
 
-def second_parts(machine: Machine, story: Story, progress: float) -> Floats:
-    """Return the 2× over the 1× at each probe when a story has gone a part of its way.
+def second_parts(machine: Machine, scenario: Scenario, progress: float) -> Floats:
+    """Return the 2× over the 1× at each probe when a scenario has gone a part of its way.
 
     Args:
         machine: The machine, with m channels.
-        story: The story.
+        scenario: The scenario.
         progress: Part of its way, from 0 (healthy) to 1 [-].
 
     Returns:
         Parts (m,) [-].
     """
-    beside = set(probes_beside(machine, machine.couplings[0])) if story == "misalignment" and machine.couplings else set()
+    beside = set(probes_beside(machine, machine.couplings[0])) if scenario == "misalignment" and machine.couplings else set()
     return np.array([PART + progress * (MISALIGNED_PART - PART) * (one in beside) for one in machine.channels])
 
 

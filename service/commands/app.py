@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
-from estimator.simulation.stories import Story
+from estimator.simulation.scenarios import Scenario
 from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.release import VERSION
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
@@ -210,7 +210,7 @@ def router(
 
 @app.command()
 def simulate(
-    machines: Annotated[list[str], typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
+    machines: Annotated[list[str], typer.Argument(help="FILE or FILE:SCENARIO; " + ", ".join(get_args(Scenario)))],
     connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
     cycles: Annotated[int, typer.Option(min=1, help="run-ups and run-downs of each machine")] = 12,
     interval_days: Annotated[float, typer.Option(min=0.01, help="between them, in the machines' time")] = 7.0,
@@ -231,7 +231,7 @@ def simulate(
     plan = SimulationPlan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
     stop = _stop_on_signal()
     try:
-        parsed = [_machine_and_story(text) for text in machines]
+        parsed = [_machine_and_scenario(text) for text in machines]
         with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
             if wait_connected(session, connect, give_up=stop.wait):
                 run_simulation(session, parsed, plan, truth, stop)
@@ -319,9 +319,9 @@ def document(machine: MachineFile) -> None:
 
 @app.command()
 def sample(
-    machine: Annotated[str, typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
+    machine: Annotated[str, typer.Argument(help="FILE or FILE:SCENARIO; " + ", ".join(get_args(Scenario)))],
     file: Annotated[Path, typer.Argument(help="CSV to write; its sidecar stands beside it")],
-    progress: Annotated[float, typer.Option(min=0, max=1, help="how far the story has gone")] = 1.0,
+    progress: Annotated[float, typer.Option(min=0, max=1, help="how far the scenario has gone")] = 1.0,
     samples: Annotated[int, typer.Option(min=10)] = 200,
     seed: Annotated[int, typer.Option(min=0, help="of the machine: the same one in every run")] = 1,
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
@@ -340,11 +340,11 @@ def sample(
     if file.exists():
         fail(f"{file} is there already: name another file, or delete it first")
     try:
-        described, story = _machine_and_story(machine)
+        described, scenario = _machine_and_scenario(machine)
         on = trial_weights(weight or [])
         with working("simulating"):
             run = simulate_run(
-                described, story=story, progress=progress, samples=samples, seed=seed, run_seed=run_seed, weights=on
+                described, scenario=scenario, progress=progress, samples=samples, seed=seed, run_seed=run_seed, weights=on
             )
         gaps = run.measurement.gaps
         write_recording(
@@ -360,10 +360,10 @@ def sample(
         fail(str(error))
     if as_json:
         said = {disc: {"amount_g_mm": amount, "angle_deg": angle} for disc, (amount, angle) in on.items()}
-        told = {"machine": described.id, "story": story, "file": file, "samples": len(run)}
+        told = {"machine": described.id, "scenario": scenario, "file": file, "samples": len(run)}
         print_json(told | {"weights": said, "truth": run.truth})
     else:
-        print_line(f"{file} is written with {len(run)} samples of '{described.id}', {story}, and its sidecar beside it")
+        print_line(f"{file} is written with {len(run)} samples of '{described.id}', {scenario}, and its sidecar beside it")
 
 
 app.command()(init)
@@ -393,14 +393,14 @@ def demo(
         raise typer.Exit(1)
 
 
-def _machine_and_story(text: str) -> "tuple[Machine, Story]":
+def _machine_and_scenario(text: str) -> "tuple[Machine, Scenario]":
     from formats.files.document_files import UnreadableFile, read_machine
 
-    name, colon, story = text.rpartition(":")
-    if story in get_args(Story):
-        return read_machine(named_file(Path(name))), story  # type: ignore[return-value]
+    name, colon, scenario = text.rpartition(":")
+    if scenario in get_args(Scenario):
+        return read_machine(named_file(Path(name))), scenario  # type: ignore[return-value]
     if colon and found_example(Path(name)).is_file():
-        raise UnreadableFile(f"'{story}' is no story; there are {', '.join(get_args(Story))}")
+        raise UnreadableFile(f"'{scenario}' is no scenario; there are {', '.join(get_args(Scenario))}")
     return read_machine(named_file(Path(text))), "healthy"
 
 

@@ -28,7 +28,7 @@ from service.commands.json_output import print_json
 from storage.clock import from_datetime
 
 EXAMPLES = examples_folder()
-STORIES = {
+SCENARIOS = {
     "turbine-compressor-generator": "healthy",
     "motor-pump": "misalignment",
     "thesis-chapter-3": "unbalance",
@@ -38,13 +38,13 @@ ALERTS = {
     "misalignment": ["misalignment of coupling.C1"],
     "unbalance": ["unbalance of disc.D1"],
 }
-"""Alerts that each story should lead to, and no others."""
+"""Alerts that each scenario should lead to, and no others."""
 CYCLES = 12
 SAMPLES = 160
 RATE = 120.0
 SEED = 7
 START_TIMEOUT_S = 60.0
-STORY_TIMEOUT_S = 300.0
+SCENARIO_TIMEOUT_S = 300.0
 STOP_TIMEOUT_S = 20.0
 SILENCE_S = 5.0
 SOUND_ERRORS = (0.7, 1.3)
@@ -56,11 +56,11 @@ class DemoFailed(RuntimeError):
 
 
 @dataclass(frozen=True)
-class StoryOutcome:
-    """Results of one machine's story."""
+class ScenarioOutcome:
+    """Results of one machine's scenario."""
 
     machine: str
-    story: str
+    scenario: str
     identifications: int
     accepted: int
     rms: float
@@ -71,14 +71,14 @@ class StoryOutcome:
 
     @property
     def right(self) -> bool:
-        """Return whether the service found the simulated story."""
-        wanted = ALERTS[self.story]
+        """Return whether the service found the simulated scenario."""
+        wanted = ALERTS[self.scenario]
         sound = SOUND_ERRORS[0] <= self.rms <= SOUND_ERRORS[1]
         return sound and self.accepted == self.identifications > 0 and self.alerts == wanted
 
 
 def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
-    """Run the demonstration; returns whether the story came out right. Raises DemoFailed.
+    """Run the demonstration; returns whether every machine came out as simulated. Raises DemoFailed.
 
     as_json: prints the summary for programs, and how it goes on the standard error output.
     """
@@ -88,7 +88,7 @@ def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
     try:
         with _interrupted_by_signals(), _service(folder, port, course) as (client, endpoint):
             began = time.monotonic()
-            outcomes = _run_story(folder, client, endpoint, course)
+            outcomes = _run_scenario(folder, client, endpoint, course)
             right = all(outcome.right for outcome in outcomes)
             seconds = time.monotonic() - began
             if as_json:
@@ -107,16 +107,16 @@ def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
     return right
 
 
-def _run_story(folder: Path, client: httpx.Client, endpoint: str, course: TextIO) -> list[StoryOutcome]:
+def _run_scenario(folder: Path, client: httpx.Client, endpoint: str, course: TextIO) -> list[ScenarioOutcome]:
     began = time.monotonic()
     _create_machines(client)
     truth = folder / "truth.jsonl"
-    arguments = [f"{EXAMPLES / name}.yaml:{story}" for name, story in STORIES.items()]
+    arguments = [f"{EXAMPLES / name}.yaml:{scenario}" for name, scenario in SCENARIOS.items()]
     options = {"cycles": CYCLES, "samples": SAMPLES, "rate": RATE, "seed": SEED, "truth": truth, "connect": endpoint}
     flags = [str(part) for name, value in options.items() for part in (f"--{name}", value)]
     with _process(folder / "simulate.log", ["simulate", *arguments, *flags]) as simulator:
         _follow(client, simulator, folder, began, course)
-    return [_outcome(client, name, story, truth) for name, story in STORIES.items()]
+    return [_outcome(client, name, scenario, truth) for name, scenario in SCENARIOS.items()]
 
 
 @contextlib.contextmanager
@@ -190,7 +190,7 @@ def _wait_ready(client: httpx.Client, process: subprocess.Popen[bytes], log: Pat
 
 
 def _create_machines(client: httpx.Client) -> None:
-    for name in STORIES:
+    for name in SCENARIOS:
         try:
             answer = client.post("/machines", json=read_yaml(EXAMPLES / f"{name}.yaml"))
         except UnreadableFile as error:
@@ -201,17 +201,17 @@ def _create_machines(client: httpx.Client) -> None:
 
 def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Path, began: float, course: TextIO) -> None:
     """Show progress until the simulator has ended and everything is identified."""
-    deadline = began + STORY_TIMEOUT_S
+    deadline = began + SCENARIO_TIMEOUT_S
     shown = 0.0
     done = False
     while not done:
         if time.monotonic() > deadline:
-            raise DemoFailed(f"not finished after {STORY_TIMEOUT_S:.0f} s; see the logs:\n{_tail(folder / 'serve.log')}")
+            raise DemoFailed(f"not finished after {SCENARIO_TIMEOUT_S:.0f} s; see the logs:\n{_tail(folder / 'serve.log')}")
         if simulator.poll() not in (None, 0):
             raise DemoFailed(f"the simulator ended:\n{_tail(folder / 'simulate.log')}")
         counts = client.get("/health").json()["jobs"]
         left = counts.get("queued", 0) + counts.get("running", 0)
-        runs = [run for name in STORIES for run in client.get(f"/machines/{name}/runs").json()]
+        runs = [run for name in SCENARIOS for run in client.get(f"/machines/{name}/runs").json()]
         open_runs = sum(run["state"] == "open" for run in runs)
         done = simulator.poll() == 0 and not left and not open_runs
         if done or time.monotonic() - shown >= (0.5 if course.isatty() else 5.0):
@@ -223,7 +223,7 @@ def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Pa
 
 
 def _print_progress(client: httpx.Client, runs: int, counts: dict[str, int], seconds: float, course: TextIO) -> None:
-    total = 2 * CYCLES * len(STORIES)
+    total = 2 * CYCLES * len(SCENARIOS)
     received = sum(source["received"] for source in client.get("/sources").json())
     alerts = len(client.get("/alerts").json())
     finished = counts.get("done", 0) + counts.get("failed", 0)
@@ -239,7 +239,7 @@ def _tail(log: Path) -> str:
     return log.read_text(errors="replace")[-2000:]
 
 
-def _outcome(client: httpx.Client, name: str, story: str, truth_path: Path) -> StoryOutcome:
+def _outcome(client: httpx.Client, name: str, scenario: str, truth_path: Path) -> ScenarioOutcome:
     truths = [line for line in map(json.loads, truth_path.read_text().splitlines()) if line["machine"] == name]
     identifications = client.get(f"/machines/{name}/identifications").json()
     errors: list[float] = []
@@ -250,9 +250,9 @@ def _outcome(client: httpx.Client, name: str, story: str, truth_path: Path) -> S
             if estimate["value"] is not None:
                 _compare(estimate, truth, errors, relative)
     alerts = client.get(f"/machines/{name}/alerts", params={"open": True}).json()
-    return StoryOutcome(
+    return ScenarioOutcome(
         machine=name,
-        story=story,
+        scenario=scenario,
         identifications=len(identifications),
         accepted=sum(one["accepted"] for one in identifications),
         rms=math.sqrt(float(np.mean(np.square(errors)))) if errors else math.nan,
@@ -288,13 +288,13 @@ def _median_percent(values: list[float]) -> float:
     return 100.0 * float(np.median(values)) if values else math.nan
 
 
-def _print_summary(outcomes: list[StoryOutcome], base: str, seconds: float) -> None:
+def _print_summary(outcomes: list[ScenarioOutcome], base: str, seconds: float) -> None:
     print(f"\nIdentified against the simulator's truth, after {seconds:.0f} s (medians over all runs):\n")
-    columns = ("machine", "story", "runs", "accepted", "bearing k", "coupling k", "unbalance", "rms error/SE", "alert")
+    columns = ("machine", "scenario", "runs", "accepted", "bearing k", "coupling k", "unbalance", "rms error/SE", "alert")
     rows = [
         (
             one.machine,
-            one.story,
+            one.scenario,
             str(one.identifications),
             str(one.accepted),
             f"{one.stiffness_percent:.2g} %",
@@ -309,8 +309,8 @@ def _print_summary(outcomes: list[StoryOutcome], base: str, seconds: float) -> N
     for row in [columns, *rows]:
         print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip())
     right = all(outcome.right for outcome in outcomes)
-    print("\nThe story came out right." if right else "\nThe story did NOT come out as simulated.")
-    drifting = next(name for name, story in STORIES.items() if story == "misalignment")
+    print("\nEvery machine came out as simulated." if right else "\nNOT every machine came out as simulated.")
+    drifting = next(name for name, scenario in SCENARIOS.items() if scenario == "misalignment")
     page = base.split("/api/", 1)[0]
     print(f"\nTo look at, in a browser:\n  {page}/\n  {page}/#/machines/{drifting}\n\nAnd through the API:")
     for path in (

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 
 from sqlalchemy.orm import Session
 
@@ -9,6 +10,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.trends.parameter_vector import Point
 from service.alerts.lifecycle import Severity
+from service.monitoring.assessment.alignment_steps import has_step
 from service.monitoring.assessment.context import (
     WEEK,
     AssessedRun,
@@ -26,6 +28,7 @@ from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, is_finding
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from storage.alerts import alerts
+from storage.clock import from_datetime
 from storage.findings import derived, identifications, jobs
 from storage.machines import limits, machines
 from storage.tables.alerting import AlertRow
@@ -98,6 +101,11 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
         loads=tuple(_coupled_loads(session, machine, stored, compared_ids)),
         second_orders=tuple(_second_orders(session, machine, stored, compared_ids)),
         numbers=_stored_numbers(session, stored),
+        open_steps={
+            one.element: from_datetime(datetime.fromisoformat(one.evidence["since"]))
+            for one in state.open_alerts
+            if has_step(one.evidence)
+        },
     )
 
 

@@ -1,6 +1,6 @@
 """The plant simulator: machines that run up, hold and coast down week after week, published as a real source would.
 
-Each machine follows a story. The true parameters of each run can be written to a file, for comparison with the estimates.
+Each machine follows a scenario. The true parameters of each run can be written to a file, for comparison with the estimates.
 """
 
 import json
@@ -18,6 +18,7 @@ import zenoh
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
+from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_gaps import simulated_gaps
 from estimator.simulation.simulated_overall import simulated_overall
 from estimator.simulation.simulated_plant import (
@@ -31,7 +32,6 @@ from estimator.simulation.simulated_plant import (
     truth_under_conditions,
 )
 from estimator.simulation.simulated_second_order import second_parts, simulated_second
-from estimator.simulation.stories import Story
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from formats.recordings.recording import split
 from formats.wire import LARGEST_AMPLITUDE, WIRE_SCHEMA, Key, SampleBatch, as_sent
@@ -45,7 +45,7 @@ RUN_UP_S, HOLD_S, RUN_DOWN_S = 1200.0, 60.0, 2400.0
 HOLD_SAMPLES = 6
 BATCH_SAMPLES = 10
 HEALTHY_PART = 0.5
-"""Part of the cycles before a story begins to show."""
+"""Part of the cycles before a scenario begins to show."""
 
 
 @dataclass(frozen=True)
@@ -87,22 +87,22 @@ class TruthFile:
 
 def simulate(
     session: zenoh.Session,
-    machines: list[tuple[Machine, Story]],
+    machines: list[tuple[Machine, Scenario]],
     plan: SimulationPlan,
     truth_path: Path | None,
     stop: threading.Event,
 ) -> None:
-    """Publish all machines concurrently, each from a thread of its own, until their stories end or `stop` is set.
+    """Publish all machines concurrently, each from a thread of its own, until their scenarios end or `stop` is set.
 
-    Raises ValueError, before anything is published, for a machine that cannot follow its story.
+    Raises ValueError, before anything is published, for a machine that cannot follow its scenario.
     """
     file = truth_path.open("w", encoding="utf-8") if truth_path is not None else None
     try:
         truths = TruthFile(file)
         seeds = np.random.SeedSequence(plan.seed).spawn(len(machines))
         lives = [
-            _SimulatedMachine(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
-            for (machine, story), seed in zip(machines, seeds, strict=True)
+            _SimulatedMachine(session, machine, scenario, plan, truths, np.random.default_rng(seed), stop)
+            for (machine, scenario), seed in zip(machines, seeds, strict=True)
         ]
         threads = [threading.Thread(target=life.live, name=life.machine.id) for life in lives]
         for thread in threads:
@@ -115,13 +115,13 @@ def simulate(
 
 
 class _SimulatedMachine:
-    """The life of one simulated machine: its drawn parameters, its story, its pace."""
+    """The life of one simulated machine: its drawn parameters, its scenario, its pace."""
 
     def __init__(
         self,
         session: zenoh.Session,
         machine: Machine,
-        story: Story,
+        scenario: Scenario,
         plan: SimulationPlan,
         truths: TruthFile,
         rng: np.random.Generator,
@@ -129,17 +129,17 @@ class _SimulatedMachine:
     ) -> None:
         self.machine = machine
         self._session = session
-        self._story: Story = story
+        self._scenario: Scenario = scenario
         self._plan = plan
         self._truths = truths
         self._rng = rng
         # Of their own: with or without overall levels and 2×, a seed draws the same machine and the same runs.
         self._overall_rng, self._second_rng = rng.spawn(2)
         self._second_phases = 2.0 * np.pi * self._second_rng.random(len(machine.channels))
-        self._second_parts = second_parts(machine, story, 0.0)
+        self._second_parts = second_parts(machine, scenario, 0.0)
         self._stop = stop
         self._truth = draw_truth(machine, rng)
-        truth_at_progress(self._truth, machine, story, 1.0)  # raises when the story is impossible
+        truth_at_progress(self._truth, machine, scenario, 1.0)  # raises when the scenario is impossible
         self._due = time.monotonic()
         self._conditions: Floats = np.empty(0)
 
@@ -147,21 +147,21 @@ class _SimulatedMachine:
         """Publish all cycles."""
         plan, machine = self._plan, self.machine
         span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
-        # Compressed stories end now; those in real time begin now.
+        # Compressed scenarios end now; those in real time begin now.
         began = time.time() - (span_s if plan.rate is not None else 0.0)
         self._due = time.monotonic()
         with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
             for cycle in range(plan.cycles):
                 progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
-                truth = truth_of_run(truth_at_progress(self._truth, machine, self._story, progress), self._rng)
-                self._second_parts = second_parts(machine, self._story, progress)
+                truth = truth_of_run(truth_at_progress(self._truth, machine, self._scenario, progress), self._rng)
+                self._second_parts = second_parts(machine, self._scenario, progress)
                 start = began + cycle * plan.interval_s
                 self._conditions = drawn_conditions(machine, start, self._rng)
                 truth = truth_under_conditions(truth, machine, self._conditions)
                 if self._stop.wait(max(0.0, start - time.time())):
                     return
                 logger.info(
-                    "%s: cycle %d of %d, %s at %.0f %%", machine.id, cycle + 1, plan.cycles, self._story, 100 * progress
+                    "%s: cycle %d of %d, %s at %.0f %%", machine.id, cycle + 1, plan.cycles, self._scenario, 100 * progress
                 )
                 self._sweep(source, truth, "run-up", start, RUN_UP_S)
                 self._hold(source, truth, start + RUN_UP_S)

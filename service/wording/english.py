@@ -41,6 +41,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "angle.horizontal.down": "it runs more towards -x",
     "offset.told": "the driven shaft lies {value} {direction} (allowed {allowed} at {rpm:.0f} r/min)",
     "angle.told": "{direction}, by {value} mrad (allowed {allowed:.3g} mrad)",
+    "offset.step": "compared with the runs just before the change, {value} {direction}",
+    "angle.step": "compared with the runs just before the change, {direction}, by {value} mrad",
     "undetermined.offset": "the offset is not determined",
     "undetermined.offset.vertical": "the vertical offset is not determined",
     "undetermined.offset.horizontal": "the horizontal offset is not determined",

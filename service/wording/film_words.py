@@ -35,7 +35,7 @@ def alignment_judgement(numbers: Numbers, language: Language = ENGLISH) -> str:
 
 def alignment_words(numbers: Numbers, language: Language = ENGLISH) -> str:
     """Return by how much a coupling's alignment has changed, with what follows from it."""
-    told = [*_offsets(numbers, language), *_angles(numbers, language)]
+    told = [*_offsets(numbers, language), *_angles(numbers, language), *_steps(numbers, language)]
     beside = [*_undetermined(numbers, language), *_loads(numbers, language), *_equivalents(numbers, language)]
     return "; ".join([*told, *beside])
 
@@ -116,6 +116,22 @@ def _angles(q: Numbers, language: Language) -> Iterator[str]:
                 direction=_direction("angle", plane, value, language),
                 allowed=MILLIRADIANS * q[f"angle_{plane}_allowed_urad"],
             )
+
+
+def _steps(q: Numbers, language: Language) -> Iterator[str]:
+    """Yield the steps against the runs just before that read otherwise than the change since the baseline."""
+    for what, unit in (("offset", "um"), ("angle", "urad")):
+        for plane in PLANES:
+            value, half = q.get(f"step_{what}_{plane}_{unit}"), q.get(f"step_{what}_{plane}_half_width_{unit}", 0.0)
+            whole = q.get(f"{what}_{plane}_{unit}", 0.0)
+            if value is not None and abs(value) > half and abs(value - whole) > 0.5 * half:
+                shown_value = (
+                    shown_length(abs(value), half, language)
+                    if what == "offset"
+                    else shown(MILLIRADIANS * abs(value), MILLIRADIANS * half, language)
+                )
+                direction = _direction(what, plane, value, language)
+                yield language.translate(f"{what}.step", value=shown_value, direction=direction)
 
 
 def _undetermined(q: Numbers, language: Language) -> Iterator[str]:

@@ -41,6 +41,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "angle.horizontal.down": "sie läuft stärker in -x",
     "offset.told": "die getriebene Welle liegt {value} {direction} (zulässig {allowed} bei {rpm:.0f} 1/min)",
     "angle.told": "{direction}, um {value} mrad (zulässig {allowed:.3g} mrad)",
+    "offset.step": "gegenüber den Läufen unmittelbar vor der Änderung {value} {direction}",
+    "angle.step": "gegenüber den Läufen unmittelbar vor der Änderung {direction}, um {value} mrad",
     "undetermined.offset": "der Parallelversatz ist nicht bestimmt",
     "undetermined.offset.vertical": "der vertikale Parallelversatz ist nicht bestimmt",
     "undetermined.offset.horizontal": "der horizontale Parallelversatz ist nicht bestimmt",

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
 
-from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_story
+from tests.browser.shown_service import BASELINE_RUNS, ZONE, installed, launch, run_scenario
 from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
@@ -69,7 +69,7 @@ class Seen:
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The store of a service that has watched a coupling go out of alignment for weeks; one for all processes of tests."""
     base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "story"
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "scenario"
     told = folder / "told"
     with locked(folder.with_suffix(".lock")):
         if not told.exists():
@@ -77,7 +77,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
             folder.mkdir()
             one = Service(folder, RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
             with one.running():
-                run_story(one)
+                run_scenario(one)
             one.client.close()
             told.touch()
     return folder / "rundown.db"

@@ -1,4 +1,4 @@
-"""Copies of the story's machine in the same service: its first runs, changed by a test, as a source would send them."""
+"""Copies of the scenario's machine in the same service: its first runs, changed by a test, as a source would send them."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from tests.browser.story import MACHINE, closed
+from tests.browser.shown_service import MACHINE, closed
 from tests.end_to_end.processes import Service, example, until
 
 RUNS = 3
-"""Runs of the story that a copy has."""
+"""Runs of the scenario that a copy has."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def phasors(amplitude: Any, lag_deg: Any) -> Complexes:
 
 
 def first_runs(service: Service) -> CopiedRuns:
-    """The first runs of the story's machine."""
+    """The first runs of the scenario's machine."""
     begins = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))[: RUNS + 2]
     read = service.get(f"/machines/{MACHINE}/samples", to=begins[-1], limit=10_000)
     return CopiedRuns(
@@ -71,7 +71,7 @@ def first_runs(service: Service) -> CopiedRuns:
 
 
 def create_copy(service: Service, machine: str, name: str, **changes: Any) -> dict[str, Any]:
-    """Create the story's machine under another id, with changes of its document; return the document."""
+    """Create the scenario's machine under another id, with changes of its document; return the document."""
     document = example(MACHINE) | {"id": machine, "name": name} | changes
     answer = service.client.post("/machines", json=document)
     assert answer.status_code == 201, answer.text

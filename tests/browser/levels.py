@@ -1,4 +1,4 @@
-"""Machines whose sources send more: a copy of the story's with 2×, overall levels and gaps, and a train on films with gaps."""
+"""Machines whose sources send more: a copy of the usual one with 2×, overall levels and gaps; a train on films with gaps."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 import yaml
 
 from tests.browser.copied_machine import CopiedRuns, create_copy, first_runs, lag_deg, send
-from tests.browser.story import MACHINE, simulate
+from tests.browser.shown_service import MACHINE, simulate
 from tests.end_to_end.processes import Service, example, until
 
 FILMS = "motor-compressor"

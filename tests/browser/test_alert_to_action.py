@@ -7,7 +7,7 @@ from playwright.sync_api import Locator, Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import COUNT
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 from tests.end_to_end.processes import Service, until
 
 MOST_CLICKS = 8

@@ -10,7 +10,7 @@ from playwright.sync_api import Locator, Route, expect
 from estimator.machine.document import parse_machine
 from tests.browser.conftest import Seen
 from tests.browser.copied_machine import CopiedRuns, create_copy, first_runs, send
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 from tests.end_to_end.processes import Service, example
 from tests.estimator.trains import dense_response
 

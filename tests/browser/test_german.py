@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, ViewportSize, expect
 
 from tests.browser.conftest import Seen, shown
-from tests.browser.story import MACHINE, ZONE
+from tests.browser.shown_service import MACHINE, ZONE
 from tests.browser.test_accessibility import faults
 from tests.browser.views import VIEWS, show
 from tests.end_to_end.processes import Service

@@ -11,7 +11,7 @@ from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import drawn, wait_drawn
-from tests.browser.story import MACHINE, simulate
+from tests.browser.shown_service import MACHINE, simulate
 from tests.end_to_end.processes import Service, until
 
 PROBLEM = "application/problem+json"

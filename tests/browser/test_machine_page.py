@@ -9,7 +9,7 @@ from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import SEEN, SEEN_AGAIN, drawn, wait_drawn
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 from tests.end_to_end.processes import Service, example, until
 
 BEYOND_DANGER = {

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Locator, Route, expect
 from tests.browser.conftest import PICTURES, Seen
 from tests.browser.drawing import COUNT
 from tests.browser.levels import FILMS, add_films
-from tests.browser.story import MACHINE, ZONE
+from tests.browser.shown_service import MACHINE, ZONE
 from tests.browser.test_german import ENGLISH_WORDS, said
 from tests.browser.views import show
 from tests.end_to_end.processes import Service, until

@@ -8,7 +8,7 @@ from playwright.sync_api import Browser, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
 from tests.browser.drawing import SEEN, SEEN_AGAIN
-from tests.browser.story import MACHINE, ZONE
+from tests.browser.shown_service import MACHINE, ZONE
 from tests.end_to_end.processes import Service
 from tests.postgresql import FAST, server
 

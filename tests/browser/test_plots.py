@@ -8,7 +8,7 @@ from playwright.sync_api import Locator, Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import COUNT, SEEN, SEEN_AGAIN, drawn, looks, pinch, swipe, wait_drawn
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 from tests.browser.views import show
 from tests.end_to_end.processes import Service, until
 

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.story import CYCLES, MACHINE, day_ahead, day_of, end_of
+from tests.browser.shown_service import CYCLES, MACHINE, day_ahead, day_of, end_of
 from tests.end_to_end.processes import Service, until
 
 

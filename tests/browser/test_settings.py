@@ -12,7 +12,7 @@ from playwright.sync_api import Route, expect
 from estimator.diagnosis.finding_kind import ELEMENT_LISTS
 from service.monitoring.rules.finding_catalogue import ALERT_RULES
 from tests.browser.conftest import Seen
-from tests.browser.story import MACHINE, day_of
+from tests.browser.shown_service import MACHINE, day_of
 from tests.end_to_end.processes import Service
 
 SETTINGS = f"machines/{MACHINE}/settings"
@@ -181,7 +181,7 @@ def test_a_list_that_is_cut_says_so(seen: Seen, service: Service) -> None:
 def test_a_report_of_a_past_period_shows_what_was_identified_then(seen: Seen, service: Service) -> None:
     found = service.get(f"/machines/{MACHINE}/identifications")
     past = [one for one in found if day_of(one["measured_at"]) < day_of(found[0]["measured_at"])]
-    assert past, "the story is longer than a day"
+    assert past, "the scenario is longer than a day"
     day = day_of(past[0]["measured_at"])
     shown = next(one for one in past if one["accepted"] and one["scope"] == "run")
     asked: list[str] = []

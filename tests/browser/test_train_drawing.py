@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 from tests.end_to_end.processes import Service
 
 

@@ -11,7 +11,7 @@ from playwright.sync_api import Route, expect
 from tests.browser.conftest import Seen
 from tests.browser.drawing import wait_drawn
 from tests.browser.levels import COPY, GAP_UM, OVERALL_PART, SECOND_PART, add_copy
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 from tests.browser.views import show
 from tests.end_to_end.processes import Service
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.story import MACHINE
+from tests.browser.shown_service import MACHINE
 
 VIEWS = {
     "fleet": ("", "table.fleet"),

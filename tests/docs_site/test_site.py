@@ -35,7 +35,7 @@ from service.http.error_status import STATUS
 from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from storage.measurements.runs import SamplesReleased
-from tests.browser.story import installed, launch
+from tests.browser.shown_service import installed, launch
 from tests.paths import ROOT
 
 LISTED = [page for names in NAVIGATION.values() for page in names]

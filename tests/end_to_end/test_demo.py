@@ -1,4 +1,4 @@
-"""`rundown demo`: the story comes out right, it serves until Ctrl-C, and leaves nothing running whenever it is ended."""
+"""`rundown demo`: every machine comes out as simulated, it serves until Ctrl-C, and leaves nothing running."""
 
 import re
 import signal
@@ -43,14 +43,16 @@ def interrupted(process: psutil.Popen) -> list[psutil.Process]:
 
 
 @pytest.mark.long
-def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None:
+def test_scenario_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None:
     log = tmp_path / "demo.log"
     with demonstration(log) as process:
         until(lambda: "Serving until Ctrl-C" in log.read_text(), within_s=240, what=f"the summary:\n{log.read_text()}")
         summary = log.read_text()
-        assert "The story came out right." in summary
+        assert "Every machine came out as simulated." in summary
         lines = {
-            line.split()[0]: line for line in summary.splitlines() if line.startswith("  ") and line.split()[0] in demo.STORIES
+            line.split()[0]: line
+            for line in summary.splitlines()
+            if line.startswith("  ") and line.split()[0] in demo.SCENARIOS
         }
         assert lines["motor-pump"].endswith("misalignment of coupling.C1")
         assert lines["thesis-chapter-3"].endswith("unbalance of disc.D1")
@@ -58,10 +60,10 @@ def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None
         for url in re.findall(r"^  (http\S+)$", summary, flags=re.MULTILINE):
             assert httpx.get(url).status_code == 200
         base = re.findall(r"^  (http\S+/api/v1)/machines$", summary, flags=re.MULTILINE)[0]
-        for machine in demo.STORIES:
+        for machine in demo.SCENARIOS:
             wrong, compared = contradictions(lambda path: httpx.get(base + path, timeout=30.0).json(), machine)
             assert wrong == []
-            assert compared > 20 or demo.STORIES[machine] == "healthy"
+            assert compared > 20 or demo.SCENARIOS[machine] == "healthy"
         assert interrupted(process) == []
 
 
@@ -69,7 +71,7 @@ def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None
 def test_ctrl_c_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
     log = tmp_path / "demo.log"
     with demonstration(log) as process:
-        until(lambda: re.search(r"\d{3} samples", log.read_text()), within_s=60, what="the story has begun")
+        until(lambda: re.search(r"\d{3} samples", log.read_text()), within_s=60, what="the scenario has begun")
         assert interrupted(process) == []
     folder = re.search(r"its files in (\S+)", log.read_text())
     assert folder is not None
@@ -77,7 +79,9 @@ def test_ctrl_c_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("right", "status"), [(True, 0), (False, 1)])
-def test_exit_status_tells_whether_the_story_came_out_right(monkeypatch: pytest.MonkeyPatch, right: bool, status: int) -> None:
+def test_exit_status_tells_whether_the_scenario_came_out_right(
+    monkeypatch: pytest.MonkeyPatch, right: bool, status: int
+) -> None:
     monkeypatch.setattr(demo, "run", lambda *, leave, port, as_json: right and leave and port == 0 and not as_json)
     assert CliRunner().invoke(app, ["demo", "--exit"]).exit_code == status
 
@@ -93,10 +97,10 @@ def test_exit_status_tells_whether_the_story_came_out_right(monkeypatch: pytest.
         {"identifications": 0, "accepted": 0},
     ],
 )
-def test_a_story_told_wrong_is_not_right(change: dict[str, object]) -> None:
+def test_a_scenario_told_wrong_is_not_right(change: dict[str, object]) -> None:
     good: dict[str, Any] = {
         "machine": "motor-pump",
-        "story": "misalignment",
+        "scenario": "misalignment",
         "identifications": 24,
         "accepted": 24,
         "rms": 1.0,
@@ -105,6 +109,6 @@ def test_a_story_told_wrong_is_not_right(change: dict[str, object]) -> None:
         "unbalance_percent": 0.6,
         "alerts": ["misalignment of coupling.C1"],
     }
-    assert demo.StoryOutcome(**good).right
-    assert not demo.StoryOutcome(**(good | change)).right
-    assert not demo.StoryOutcome(**(good | {"story": "healthy"})).right
+    assert demo.ScenarioOutcome(**good).right
+    assert not demo.ScenarioOutcome(**(good | change)).right
+    assert not demo.ScenarioOutcome(**(good | {"scenario": "healthy"})).right

@@ -14,7 +14,7 @@ MACHINE = "thesis-chapter-3"
 START_S = 1_700_000_000
 
 
-def story() -> list[SampleBatch]:
+def sweeps_of_a_day() -> list[SampleBatch]:
     """A hold, a run-down of 200 samples and standstill in batches of 20, a sample a second."""
     machine = read_machine(EXAMPLES / f"{MACHINE}.yaml")
     rng = np.random.default_rng(3)
@@ -58,7 +58,7 @@ def post(service: Service, batch: SampleBatch) -> dict[str, Any]:
 
 def test_what_came_late_is_in_the_run_and_its_newest_identification_counts(tmp_path: Path) -> None:
     service = Service(tmp_path, RUNDOWN_LATE_S="0.5", RUNDOWN_SILENCE_S="60")
-    batches = story()
+    batches = sweeps_of_a_day()
     listing = f"/machines/{MACHINE}/identifications"
     with service.running():
         service.create(MACHINE)

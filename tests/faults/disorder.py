@@ -50,7 +50,7 @@ class Delivered:
 
 @dataclass(frozen=True)
 class Stored:
-    """All that a store holds of a story."""
+    """All that a store holds of what was sent."""
 
     samples: Samples
     runs: list[tuple[str, str, int, int | None, int | None]]
@@ -59,7 +59,7 @@ class Stored:
     source: SourceRow
 
 
-def story(machine: Machine, *, rate: float, sweeps: int, seed: int) -> list[SampleBatch]:
+def messages_of(machine: Machine, *, rate: float, sweeps: int, seed: int) -> list[SampleBatch]:
     """Messages of a machine that runs down and up in turn, with holds between."""
     rng = np.random.default_rng(seed)
     kinds: list[RunKind] = ["run-down", "run-up"] * sweeps
@@ -168,7 +168,7 @@ def _assert_same(one: Stored, other: Stored) -> None:
 def spoiled_stream(folder: Path, *, rate: float, sweeps: int, seed: int) -> str:
     """The store and the estimates are those of the clean stream; where a part never comes, those of that stream without it."""
     machine = chapter_3()
-    messages = story(machine, rate=rate, sweeps=sweeps, seed=seed)
+    messages = messages_of(machine, rate=rate, sweeps=sweeps, seed=seed)
     clean = told(f"sqlite:///{folder / 'clean.db'}", machine, messages)
     assert len(clean.runs) == sweeps
     total = SIZE * len(messages)

@@ -1,6 +1,6 @@
 """Duplicates, other orders, late samples and lost ones change neither the store nor the estimates; gaps are counted exactly.
 
-`python -m benchmarks.faults --only disorder` tells a longer story.
+`python -m benchmarks.faults --only disorder` runs a longer one.
 """
 
 from pathlib import Path

@@ -90,8 +90,8 @@ def test_messages_of_64_mb_are_reported_and_let_go(tmp_path: Path) -> None:
 def test_messages_in_another_unit_than_they_say_are_in_no_fit(new_database: NewDatabase, empty_template: str) -> None:
     """A source that says mil and sends µm for a moment: believable in size, and in nothing else."""
     machine = chapter_3()
-    right = disorder.story(machine, rate=1.0, sweeps=1, seed=3)
-    wrong = disorder.story(machine, rate=1.0, sweeps=1, seed=3)
+    right = disorder.messages_of(machine, rate=1.0, sweeps=1, seed=3)
+    wrong = disorder.messages_of(machine, rate=1.0, sweeps=1, seed=3)
     for one in wrong[5::FLIPPED]:
         one.amplitude = [[None if value is None else 25.4 * value for value in row] for row in one.amplitude]
     _, clean, _ = identified(new_database(empty_template), right)

@@ -60,7 +60,7 @@ def test_a_coupling_on_films_is_compared_in_micrometres_with_the_loads() -> None
     """Real fits of simulated runs; the loads of the bearings beside the coupling change places."""
     machine = rd.read_machine(ROOT / "examples/motor-compressor.yaml")
     before = rd.identify(machine, rd.simulate(machine))
-    found = rd.compare(before, rd.simulate(machine, story="misalignment", run_seed=2), coupling="C1")
+    found = rd.compare(before, rd.simulate(machine, scenario="misalignment", run_seed=2), coupling="C1")
     told = found.found
     assert isinstance(told, AlignmentComparison)
     assert found.verdict.startswith("the alignment of C1 has changed: vertical offset by -")

@@ -47,7 +47,7 @@ def year(database: Database, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     with database.transaction() as session:
         machines.create(session, pump)
         for number, progress in enumerate((0.0, 0.5, 1.0)):
-            run = rd.simulate(pump, story="misalignment", progress=progress, run_seed=number + 1, samples=100)
+            run = rd.simulate(pump, scenario="misalignment", progress=progress, run_seed=number + 1, samples=100)
             found = rd.identify(pump, run).identification
             row = store_identification(
                 session, found, run_id=number, measured_at=START + number * WEEK * SECOND, machine_id=pump.id

@@ -93,7 +93,7 @@ def test_a_model_gives_what_follows(pump: Machine, result: rd.Result) -> None:
 
 def test_a_misaligned_coupling_is_compared_and_diagnosed(pump: Machine) -> None:
     healthy = [rd.identify(pump, rd.simulate(pump, run_seed=seed)) for seed in range(1, 4)]
-    later = rd.simulate(pump, story="misalignment", run_seed=9)
+    later = rd.simulate(pump, scenario="misalignment", run_seed=9)
     compared = rd.compare(healthy[0], later, coupling="C1")
     assert compared.verdict.startswith("changed coefficients")
     assert compared.verdict in str(compared)

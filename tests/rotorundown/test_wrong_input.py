@@ -303,7 +303,7 @@ def test_what_was_not_identified_is_told_so(pump: Machine, run: rd.MachineRun, r
         (lambda: made.calibrate(pump, "run.csv"), "files is one path, run.csv: give a list"),
         (lambda: made.simulate(str(PUMP)), "read it first, with read_machine(…)"),
         (
-            lambda: made.simulate(pump, story="misaligned"),
+            lambda: made.simulate(pump, scenario="misaligned"),
             "there are healthy, misalignment, unbalance; did you mean 'misalignment'",
         ),
         (lambda: made.simulate(pump, progress=7), "progress 7 is not from 0 to 1"),

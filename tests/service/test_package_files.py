@@ -17,6 +17,6 @@ def test_the_built_page_is_found() -> None:
     assert dashboard.FIRST in dashboard.files()
 
 
-@pytest.mark.parametrize("name", demo.STORIES)
+@pytest.mark.parametrize("name", demo.SCENARIOS)
 def test_the_machines_of_the_demonstration_are_found(name: str) -> None:
     assert (demo.EXAMPLES / f"{name}.yaml").is_file()

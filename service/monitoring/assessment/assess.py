@@ -1,30 +1,29 @@
 """Assessment of a machine's newest runs against their baseline: a pure function, computed in a worker process."""
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 
 from estimator.diagnosis.alignment_size import alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.change_progress import ChangeProgress, change_progress
-from estimator.diagnosis.data_faults import is_uninformative
-from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
-from estimator.diagnosis.observation import Observation, fit_observation
-from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_form, change_size
-from estimator.machine.alignment_rules import HealthyVariation
-from estimator.machine.film_speeds import follows_films
 from estimator.rotor.parameter_names import parameter_units
-from estimator.trends.covariates import Adjustment, adjustment
+from estimator.trends.covariates import adjustment
 from estimator.trends.trend_tests import DatedPoint
+from service.monitoring.assessment.alignment_steps import (
+    AlignmentStep,
+    alignment_steps,
+    is_off_baseline,
+    step_has_gone,
+    with_step,
+)
+from service.monitoring.assessment.baseline_comparison import BaselineComparison, compare
 from service.monitoring.assessment.context import (
     WEEK,
-    AssessedRun,
     Assessment,
     AssessmentContext,
     BaselineHistory,
@@ -35,10 +34,10 @@ from service.monitoring.assessment.context import (
 from service.monitoring.assessment.load_changes import load_changes
 from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
 from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
-from service.monitoring.assessment.run_models import baseline_variation, run_model
+from service.monitoring.assessment.run_models import run_model
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
-from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
+from service.monitoring.rules.diagnosis_rules import cause_severity, danger_limit, delays
 from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 
 
@@ -58,94 +57,6 @@ def readings(history: BaselineHistory) -> list[DatedPoint]:
     return [DatedPoint(time, point) for time, point in dict(zip(history.times, adjusted, strict=True)).items()]
 
 
-@dataclass(frozen=True)
-class BaselineComparison:
-    """A machine's newest runs compared with its baseline, oldest first.
-
-    variation: variation of a healthy train on oil films. whole: comparison of such a train with all its runs, not the
-    newest alone.
-    """
-
-    watch: RunWindows
-    after: tuple[AssessedRun, ...]
-    observations: tuple[Observation, ...]
-    variation: HealthyVariation | None = None
-    whole: "Callable[[], BaselineComparison | None] | None" = None
-
-
-def compare(context: AssessmentContext) -> BaselineComparison | None:
-    """Compare the newest runs with their baseline, under its mean operating conditions; return None when they are not
-    comparable."""
-    if follows_films(context.machine):
-        return _compare_films(context)
-    channels = tuple(probe.id for probe in context.machine.probes)
-    baseline = [(run, fit_observation(run.fit, channels)) for run in context.baseline]
-    if not baseline:
-        return None
-    names = baseline[0][1].names
-    after = [(run, said) for run in context.after if (said := fit_observation(run.fit, channels)).names == names]
-    if not _comparable(context, [run for run, _ in after], [said for _, said in baseline]):
-        return None
-    follows = adjustment(
-        [said.point for _, said in baseline], [run.conditions for run, _ in baseline], context.machine.conditions
-    )
-    watch = RunWindows.from_baseline(context.machine, [_adjusted(said, run, follows) for run, said in baseline])
-    return BaselineComparison(
-        watch, tuple(run for run, _ in after), tuple(_adjusted(said, run, follows) for run, said in after)
-    )
-
-
-def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
-    """Compare a train on oil films: viscosities count from each run's own temperature, so that nothing is adjusted."""
-    machine = context.machine
-    if not context.baseline or not all(is_of_films(run.fit, machine) for run in context.baseline):
-        return None
-    baseline = [film_observation(run.fit, machine, run.conditions) for run in context.baseline]
-    newest = context.after[-1] if context.after else None
-    if newest is None or not is_of_films(newest.fit, machine) or any(one.names != baseline[0].names for one in baseline):
-        return None
-    variation = baseline_variation(machine, context.baseline)
-    watch = RunWindows.from_baseline(machine, baseline, variation=variation)
-    limits = context.limits
-    enough = max(watch.longest(lambda *of: delays(limits, *of)[0]), *(delays(limits, *of)[1] for of in context.open_causes), 0)
-
-    @cache
-    def observed(number: int) -> Observation:
-        return film_observation(context.after[number].fit, machine, context.after[number].conditions)
-
-    def with_newest(count: float) -> BaselineComparison | None:
-        after: list[tuple[AssessedRun, Observation]] = []
-        heard = 0  # observing takes time, and most machines are healthy: windows of newest runs are enough for them
-        for number in reversed(range(len(context.after))):
-            run = context.after[number]
-            if heard < count and is_of_films(run.fit, machine) and observed(number).names == baseline[0].names:
-                after.insert(0, (run, observed(number)))
-                heard += not is_uninformative(observed(number))
-        if not _comparable(context, [run for run, _ in after], baseline):
-            return None
-        if any(not is_uninformative(said) for _, said in after[-UNLIMITED_DELAY:]):
-            # Where all newest runs are uninformative, they are kept and reported as what no fit explains.
-            after = [pair for pair in after if not is_uninformative(pair[1])]
-        runs, said = tuple(run for run, _ in after), tuple(one for _, one in after)
-        return BaselineComparison(watch, runs, said, variation, whole=lambda: with_newest(math.inf))
-
-    return with_newest(enough)
-
-
-def _comparable(context: AssessmentContext, after: Sequence[AssessedRun], baseline: Sequence[Observation]) -> bool:
-    """Return whether the newest run is among those that can be compared, and the baseline is of the same quantities."""
-    newest = context.after[-1].id if context.after else None
-    same = all(said.names == baseline[0].names for said in baseline)
-    return same and bool(after) and after[-1].id == newest
-
-
-def _adjusted(said: Observation, run: AssessedRun, follows: Adjustment) -> Observation:
-    """Return the observation of a run under the baseline's mean operating conditions."""
-    if not follows.conditions:
-        return said
-    return said.at(follows.adjusted(said.point, run.conditions))
-
-
 def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
     compared = compare(context)
     if compared is None:
@@ -153,8 +64,8 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
     limits = context.limits
     diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     whole = compared.whole() if diagnosis.causes and compared.whole is not None else None
-    causes = _causes(context, whole or compared, diagnosis)
-    gone = _cleared_causes(context, compared, diagnosis)
+    causes = _with_steps(context, compared, _causes(context, whole or compared, diagnosis))
+    gone = _cleared_causes(context, compared, frozenset((one.cause.kind, one.cause.element) for one in causes))
     moved = moved_parameters(context, parameter_units(context.machine)) if causes else ()
     return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, gone, moved)
 
@@ -188,6 +99,31 @@ def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis:
             )
         )
     return tuple(causes)
+
+
+def _with_steps(
+    context: AssessmentContext, compared: BaselineComparison, causes: tuple[DiagnosedCause, ...]
+) -> tuple[DiagnosedCause, ...]:
+    """Return the causes with the steps of couplings' alignments: each beside the change that the baseline shows, or alone."""
+    known = {(one.cause.kind, one.cause.element): one for one in causes}
+    for step in alignment_steps(context, compared):
+        (found,) = _causes(context, step.comparison, step.diagnosis)
+        key, size = (found.cause.kind, found.cause.element), _step_size(context, step)
+        if key in known:
+            known[key] = replace(known[key], size=with_step(known[key].size, size))
+        elif is_off_baseline(found.size, size):
+            known[key] = replace(found, size=with_step(found.size, size))
+    return tuple(known.values())
+
+
+def _step_size(context: AssessmentContext, step: AlignmentStep) -> ChangeSize:
+    """Return the size of a step by itself, against the runs before it."""
+    before, newest = step.comparison.before, step.comparison.after[-1]
+    if before is None:
+        return ChangeSize(None)
+    (cause,) = step.diagnosis.causes
+    models = [run_model(context.machine, run) for run in (*before.runs, newest)]
+    return alignment_size(cause, models[:-1], models[-1], variation=before.variation, causes=[cause])
 
 
 def _explanations(
@@ -267,15 +203,19 @@ def _size(
 
 
 def _cleared_causes(
-    context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis
+    context: AssessmentContext, compared: BaselineComparison, seen: frozenset[tuple[str, str]]
 ) -> frozenset[tuple[str, str]]:
     """Return the open causes that have gone; one that is still found, but below its limit less the hysteresis, has gone
-    too."""
-    seen = {(cause.kind, cause.element) for cause in diagnosis.causes}
+    too. seen: kind and element of those that are found."""
 
     def is_gone(kind: str, element: str) -> bool:
         off_delay = delays(context.limits, kind, element)[1]
-        return (kind, element) in seen or compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay)
+        if (kind, element) in seen:
+            return True
+        step_gone = step_has_gone(context, compared, element) if kind == MISALIGNMENT.name else None
+        if step_gone is not None:
+            return step_gone
+        return compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay)
 
     return frozenset(one for one in context.open_causes if is_gone(*one))
 

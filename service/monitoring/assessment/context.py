@@ -1,7 +1,7 @@
 """The context from which a machine's newest runs are assessed, and the assessment that `assess.py` makes of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from estimator.diagnosis.observation import ObservedFit
@@ -97,6 +97,7 @@ class AssessmentContext:
     alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
     rule by element. compared: comparison of the newest run, None where it was not accepted. loads: those in its couplings.
     second_orders: amplitudes of the 2× near running speed, of the probes that measure it. numbers: those of the newest run.
+    open_steps: when the step of an alignment began that an open alert reports [ns], by element.
     """
 
     machine: Machine
@@ -111,6 +112,7 @@ class AssessmentContext:
     loads: tuple[ComparedValue, ...] = ()
     second_orders: tuple[ComparedValue, ...] = ()
     numbers: StoredNumbers = StoredNumbers({}, ())
+    open_steps: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

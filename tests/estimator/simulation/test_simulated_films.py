@@ -1,4 +1,4 @@
-"""Simulated machines on oil films: drawn near their documents, found by an identification, moved by stories and oil."""
+"""Simulated machines on oil films: drawn near their documents, found by an identification, moved by scenarios and oil."""
 
 from functools import cache
 

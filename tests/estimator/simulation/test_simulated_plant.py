@@ -1,4 +1,4 @@
-"""The simulated plant: its sweeps, its truth and noise, and that a story changes what it tells of and nothing else."""
+"""The simulated plant: its sweeps, its truth and noise, and that a scenario changes what it tells of and nothing else."""
 
 from typing import get_args
 
@@ -8,6 +8,7 @@ import pytest
 from estimator.machine.document import parse_machine
 from estimator.machine.rules import Noise
 from estimator.runs.segmentation import RunEnded, RunKind, RunStarted, SweepLimits, SweepState, advance, finish
+from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_plant import (
     BEARING_STIFFENING,
     COUPLING_STIFFENING,
@@ -23,7 +24,6 @@ from estimator.simulation.simulated_plant import (
     truth_at_progress,
     truth_of_run,
 )
-from estimator.simulation.stories import Story
 from estimator.units import rad_per_s_to_rpm
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
 
@@ -130,13 +130,13 @@ def test_missing_nominal_values_are_named() -> None:
     assert named == ["bearing.B2.cyy", "coupling.C1.k_phix", "disc.D3.unbalance"]
 
 
-# --- stories --------------------------------------------------------------------------------------------------------
+# --- scenarios --------------------------------------------------------------------------------------------------------
 
 
-def growth(story: Story, progress: float) -> tuple[dict[str, float], dict[str, complex]]:
-    """Factors by which a story has changed coefficients and unbalances, where it has."""
+def growth(scenario: Scenario, progress: float) -> tuple[dict[str, float], dict[str, complex]]:
+    """Factors by which a scenario has changed coefficients and unbalances, where it has."""
     before = truth()
-    after = truth_at_progress(before, MACHINE, story, progress)
+    after = truth_at_progress(before, MACHINE, scenario, progress)
     changed = np.flatnonzero(after.coefficients != before.coefficients)
     names = [c.name for c in before.unknowns.coefficients]
     coefficients = {names[i]: float(after.coefficients[i] / before.coefficients[i]) for i in changed}
@@ -150,9 +150,9 @@ def test_a_healthy_machine_does_not_change(progress: float) -> None:
     assert growth("healthy", progress) == ({}, {})
 
 
-@pytest.mark.parametrize("story", get_args(Story))
-def test_a_story_that_has_not_begun_changes_nothing(story: Story) -> None:
-    assert growth(story, 0.0) == ({}, {})
+@pytest.mark.parametrize("scenario", get_args(Scenario))
+def test_a_scenario_that_has_not_begun_changes_nothing(scenario: Scenario) -> None:
+    assert growth(scenario, 0.0) == ({}, {})
 
 
 @pytest.mark.parametrize("progress", [0.25, 1.0])
@@ -175,10 +175,10 @@ def test_unbalance_changes_one_disc_only(progress: float) -> None:
     assert unbalances == {"disc.D1.unbalance": pytest.approx(1 + progress * (UNBALANCE_GROWTH - 1))}
 
 
-def test_a_story_leaves_the_truth_that_it_began_with() -> None:
+def test_a_scenario_leaves_the_truth_that_it_began_with() -> None:
     before = truth()
-    for story in get_args(Story):
-        truth_at_progress(before, MACHINE, story, 1.0)
+    for scenario in get_args(Scenario):
+        truth_at_progress(before, MACHINE, scenario, 1.0)
     assert_same(before, truth())
 
 

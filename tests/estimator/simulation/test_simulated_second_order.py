@@ -5,8 +5,8 @@ import pytest
 import yaml
 
 from estimator.machine.document import Machine, parse_machine
+from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_second_order import MISALIGNED_PART, PART, second_parts, simulated_second
-from estimator.simulation.stories import Story
 from tests.paths import EXAMPLES
 
 
@@ -24,9 +24,9 @@ def test_it_grows_beside_a_misaligned_coupling_only(pump: Machine) -> None:
     assert len(grown) < len(parts)
 
 
-@pytest.mark.parametrize(("story", "progress"), [("healthy", 1.0), ("unbalance", 1.0), ("misalignment", 0.0)])
-def test_it_stays_where_nothing_is_misaligned(pump: Machine, story: Story, progress: float) -> None:
-    assert second_parts(pump, story, progress) == pytest.approx(PART)
+@pytest.mark.parametrize(("scenario", "progress"), [("healthy", 1.0), ("unbalance", 1.0), ("misalignment", 0.0)])
+def test_it_stays_where_nothing_is_misaligned(pump: Machine, scenario: Scenario, progress: float) -> None:
+    assert second_parts(pump, scenario, progress) == pytest.approx(PART)
 
 
 def test_it_is_its_part_of_the_1x_and_keeps_its_place_in_the_turn(pump: Machine) -> None:

@@ -1,4 +1,4 @@
-"""APIs over real databases: with a machine only, with something of everything, with a story to tell."""
+"""APIs over real databases: with a machine only, with something of everything, filled with runs and findings."""
 
 import math
 from collections.abc import Iterator
@@ -63,30 +63,30 @@ def furnished(plant: Database) -> Api:
 
 
 @pytest.fixture(scope="session")
-def story_template(databases: Databases, plant_template: str, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """URL of a database with a story to tell."""
-    url = databases.copy(plant_template, tmp_path_factory.mktemp("story") / "story.db")
+def filled_template(databases: Databases, plant_template: str, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """URL of a database filled with runs and findings."""
+    url = databases.copy(plant_template, tmp_path_factory.mktemp("filled") / "filled.db")
     database = Database(url)
-    tell(database)
+    fill(database)
     database.close()
     return url
 
 
 @pytest.fixture(scope="session")
-def told(databases: Databases, story_template: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
-    """An API over the story, which no test changes."""
-    with opened(databases, story_template, tmp_path_factory.mktemp("told") / "told.db") as database:
+def filled(databases: Databases, filled_template: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
+    """An API over a filled database, which no test changes."""
+    with opened(databases, filled_template, tmp_path_factory.mktemp("filled") / "filled.db") as database:
         yield Api(database)
 
 
 @pytest.fixture
-def changing(databases: Databases, story_template: str, tmp_path: Path) -> Iterator[Api]:
-    """An API over a story of the test's own."""
-    with opened(databases, story_template, tmp_path / "rundown.db") as database:
+def changing(databases: Databases, filled_template: str, tmp_path: Path) -> Iterator[Api]:
+    """An API over a filled database of the test's own."""
+    with opened(databases, filled_template, tmp_path / "rundown.db") as database:
         yield Api(database)
 
 
-def tell(database: Database) -> None:
+def fill(database: Database) -> None:
     """A run-down, an open run-up, three identifications of which one was not accepted, an alert, a queued and a failed job."""
     rpm = [*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1500.0)]
     one = batch(rpm, sequence=3)

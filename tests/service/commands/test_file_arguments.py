@@ -33,11 +33,11 @@ def test_an_example_is_taken_and_said_on_the_error_output() -> None:
     assert Path(line.removeprefix(TAKEN)).is_file()
 
 
-def test_a_story_of_an_example_and_a_file_of_one_s_own(elsewhere: Path) -> None:
+def test_a_scenario_of_an_example_and_a_file_of_one_s_own(elsewhere: Path) -> None:
     assert invoked("sample", f"{PUMP}:misalignment", "later.csv", "--samples", "20").exit_code == 0
     ended = invoked("check", PUMP, "later.csv", "--json")
     assert (ended.exit_code, json.loads(ended.stdout)["runs"][0]["samples"]) == (0, 20)
-    assert "'tired' is no story; there are healthy" in invoked("sample", f"{PUMP}:tired", "run.csv").stderr
+    assert "'tired' is no scenario; there are healthy" in invoked("sample", f"{PUMP}:tired", "run.csv").stderr
     (elsewhere / "examples").mkdir()
     (elsewhere / PUMP).write_text("- 1")
     own = invoked("document", PUMP)

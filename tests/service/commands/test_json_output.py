@@ -39,8 +39,8 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     """A healthy and a misaligned run-down of the pump, as files."""
     pump, folder = rd.read_machine(PUMP), tmp_path_factory.mktemp("runs")
     files = folder / "healthy.csv", folder / "later.csv"
-    for seed, (file, story) in enumerate(zip(files, ("healthy", "misalignment"), strict=True), 1):
-        run = rd.simulate(pump, story=story, run_seed=seed, samples=100)  # type: ignore[arg-type]
+    for seed, (file, scenario) in enumerate(zip(files, ("healthy", "misalignment"), strict=True), 1):
+        run = rd.simulate(pump, scenario=scenario, run_seed=seed, samples=100)  # type: ignore[arg-type]
         write_recording(file, pump, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
     return str(files[0]), str(files[1])
 
@@ -179,7 +179,7 @@ def test_a_static_state_on_oil_films() -> None:
 
 def test_a_sample_says_what_it_wrote(tmp_path: Path) -> None:
     found = printed("sample", f"{PUMP}:unbalance", str(tmp_path / "run.csv"), "--samples", "30")
-    assert (found["machine"], found["story"], found["samples"]) == ("motor-pump", "unbalance", 30)
+    assert (found["machine"], found["scenario"], found["samples"]) == ("motor-pump", "unbalance", 30)
     assert found["truth"]["coupling.C1.kxx"] > 0.0
     told = CliRunner().invoke(app, ["sample", PUMP, str(tmp_path / "other.csv"), "--samples", "30"])
     assert "other.csv is written with 30 samples of 'motor-pump', healthy" in told.stdout

@@ -191,6 +191,23 @@ def test_wear_is_reported_in_per_cent_of_the_clearance(weeks: FilmWeeks) -> None
     assert re.match(expected, words_of(alert))
 
 
+def test_a_step_against_the_growth_of_pedestals_is_told_stays_and_ends_when_it_is_put_back(weeks: FilmWeeks) -> None:
+    """The baseline alone allows pedestals so much."""
+    weeks.file(sunk(-5e-6), times=4)
+    assert weeks.alerts() == []
+    weeks.file(sunk(12e-6), times=3)
+    (alert,) = weeks.alerts()
+    assert (alert.rule, alert.element, alert.severity) == ("misalignment", "coupling.C1", 1)
+    told = alert.evidence["quantities"]
+    assert told["step_offset_vertical_um"] == pytest.approx(-17.0, abs=told["step_offset_vertical_half_width_um"])
+    weeks.file(sunk(12e-6), times=6)
+    (standing,) = weeks.alerts()
+    assert (standing.id, standing.closed_at, standing.condition) == (alert.id, None, alert.condition)
+    assert standing.evidence["since"] == alert.evidence["since"]
+    weeks.file(sunk(-5e-6), times=3)
+    assert [one.state for one in weeks.alerts()] == ["returned"]
+
+
 def test_an_alert_ends_when_the_shaft_is_put_back(weeks: FilmWeeks) -> None:
     weeks.file(sunk(120e-6), times=2)
     weeks.file({}, times=2)

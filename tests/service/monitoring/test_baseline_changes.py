@@ -3,7 +3,7 @@
 import pytest
 
 from service.monitoring import baseline_changes, context_loading
-from service.monitoring.assessment.assess import compare
+from service.monitoring.assessment.baseline_comparison import compare
 from service.monitoring.baseline_changes import BaselineRefused
 from storage.alerts import alerts
 from storage.database.engine import Database

@@ -17,7 +17,7 @@ NAMED = machine(operation={"vibration_danger": LIMIT, "running_rpm": 2900.0})
 UNNAMED = machine(operation={"vibration_danger": LIMIT})
 
 
-class VibrationStory:
+class VibrationRecord:
     """A machine's samples, a second apart, and what is told of them."""
 
     def __init__(self, pump: Machine) -> None:
@@ -54,18 +54,18 @@ def run_down(rpm: Sequence[float], *, peak_um_pp: float) -> list[float]:
 
 def test_a_critical_speed_that_is_passed_is_none() -> None:
     for pump in (NAMED, UNNAMED):
-        story = VibrationStory(pump)
-        assert not story.hold(*[50.0] * 10)
+        record = VibrationRecord(pump)
+        assert not record.hold(*[50.0] * 10)
         down = sweep_rpm(2890.0, 310.0, 60)
-        assert story.go(down, run_down(down, peak_um_pp=400.0)).told is None
-        assert story.watch.exceeding is None
+        assert record.go(down, run_down(down, peak_um_pp=400.0)).told is None
+        assert record.watch.exceeding is None
 
 
 def test_three_samples_at_running_speed_are_one_and_a_single_one_is_not() -> None:
-    story = VibrationStory(NAMED)
-    assert not story.hold(50.0, 150.0, 50.0, 150.0, 150.0, 50.0)
-    assert story.hold(150.0, 170.0, 150.0)
-    told = story.watch.told
+    record = VibrationRecord(NAMED)
+    assert not record.hold(50.0, 150.0, 50.0, 150.0, 150.0, 50.0)
+    assert record.hold(150.0, 170.0, 150.0)
+    told = record.watch.told
     assert told is not None
     assert (told.channel, told.amplitude, told.limit) == ("B2Y", 85e-6, LIMIT)
     assert told.speed == rpm_to_rad_per_s(2900.0)
@@ -74,38 +74,38 @@ def test_three_samples_at_running_speed_are_one_and_a_single_one_is_not() -> Non
 
 def test_a_trip_keeps_it_until_the_machine_runs_below_the_limit_again() -> None:
     for pump in (NAMED, UNNAMED):
-        story = VibrationStory(pump)
-        assert not story.hold(*[50.0] * 10)
-        assert story.hold(*[200.0] * 5)
+        record = VibrationRecord(pump)
+        assert not record.hold(*[50.0] * 10)
+        assert record.hold(*[200.0] * 5)
         down = sweep_rpm(2880.0, 10.0, 60)
-        assert story.go(down, [20.0] * 60).told is not None, "it slowed down, and nobody has looked"
-        assert story.hold(*[0.5] * 300, rpm=1.0), "it stands still"
+        assert record.go(down, [20.0] * 60).told is not None, "it slowed down, and nobody has looked"
+        assert record.hold(*[0.5] * 300, rpm=1.0), "it stands still"
         up = sweep_rpm(30.0, 2880.0, 60)
-        assert story.go(up, run_down(up, peak_um_pp=400.0)).told is not None
-        assert story.hold(*[50.0] * 200, *[200.0], *[50.0] * 299)
-        assert not story.hold(*[50.0] * 60)
+        assert record.go(up, run_down(up, peak_um_pp=400.0)).told is not None
+        assert record.hold(*[50.0] * 200, *[200.0], *[50.0] * 299)
+        assert not record.hold(*[50.0] * 60)
 
 
 def test_a_minute_beyond_the_limit_is_one_at_any_speed() -> None:
-    story = VibrationStory(NAMED)
+    record = VibrationRecord(NAMED)
     up = sweep_rpm(310.0, 1500.0, 30)
-    assert story.go(up, [50.0] * 30).told is None
-    assert not story.hold(*[150.0] * 60, rpm=1500.0)
-    assert story.hold(150.0, rpm=1500.0)
+    assert record.go(up, [50.0] * 30).told is None
+    assert not record.hold(*[150.0] * 60, rpm=1500.0)
+    assert record.hold(150.0, rpm=1500.0)
 
 
 def test_what_was_before_a_silence_does_not_last_through_it() -> None:
-    story = VibrationStory(NAMED)
-    story.go([1500.0], [150.0])
-    story.watch = story.watch.interrupted()
-    story.time += 3600 * SECOND
-    assert not story.hold(150.0, rpm=1500.0)
+    record = VibrationRecord(NAMED)
+    record.go([1500.0], [150.0])
+    record.watch = record.watch.interrupted()
+    record.time += 3600 * SECOND
+    assert not record.hold(150.0, rpm=1500.0)
 
 
 def test_samples_without_a_good_phasor_change_nothing() -> None:
-    story = VibrationStory(NAMED)
-    story.hold(*[150.0] * 3)
-    nothing = samples(5, start=story.time, rpm=[2900.0] * 5)
+    record = VibrationRecord(NAMED)
+    record.hold(*[150.0] * 3)
+    nothing = samples(5, start=record.time, rpm=[2900.0] * 5)
     bad = Samples(
         nothing.time,
         nothing.speed,
@@ -115,4 +115,4 @@ def test_samples_without_a_good_phasor_change_nothing() -> None:
         nothing.scatter,
         nothing.second,
     )
-    assert watched(story.watch, NAMED, bad, ["at speed"] * 5) == story.watch
+    assert watched(record.watch, NAMED, bad, ["at speed"] * 5) == record.watch

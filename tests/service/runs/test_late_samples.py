@@ -418,17 +418,17 @@ def test_a_late_run_in_batches_is_one_run(plant: Database, writer: PromptWriter)
     assert (late_samples.count, late_samples.reopened_at) == (85, None)
 
 
-LONG_STORY = [*[2990.0] * 40, *sweep_rpm(2990.0, 310.0, 90), *[250.0] * 40, *sweep_rpm(310.0, 2990.0, 90), *[2990.0] * 40]
+LONG_RECORD = [*[2990.0] * 40, *sweep_rpm(2990.0, 310.0, 90), *[250.0] * 40, *sweep_rpm(310.0, 2990.0, 90), *[2990.0] * 40]
 """Runs from 40 to 129 and from 170 to 259, among 300 samples."""
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_story_told_in_any_order_has_the_same_runs(plant: Database, writer: PromptWriter, seed: int) -> None:
+def test_a_scenario_told_in_any_order_has_the_same_runs(plant: Database, writer: PromptWriter, seed: int) -> None:
     """The end of a run-up may lie a message later, in the hold behind it, where that was heard of first."""
     order = list(range(0, 300, 20))
     random.Random(seed).shuffle(order)
     for first in order:
-        send(writer, LONG_STORY, first, first + 20)
+        send(writer, LONG_RECORD, first, first + 20)
     writer.settle(silence_s=0.0)
     settle(writer)
     closed = [run for run in found_runs(plant) if run.state == runs.CLOSED]

@@ -54,6 +54,23 @@ def test_what_is_within_tolerance_has_changed() -> None:
     )
 
 
+def test_a_step_is_told_where_it_differs_from_the_change_since_the_baseline() -> None:
+    small = OFFSET | ANGLE | {"offset_vertical_um": -9.0, "offset_vertical_half_width_um": 3.2}
+    step = {"step_offset_vertical_um": -18.0, "step_offset_vertical_half_width_um": 2.1}
+    told = alignment_words(small | step)
+    assert told.startswith("the driven shaft lies 9 ± 3 µm lower (allowed 50 µm at 3600 r/min); it rises more")
+    assert "; compared with the runs just before the change, 18 ± 2 µm lower; " in told
+    assert "gegenüber den Läufen unmittelbar vor der Änderung 18 ± 2 µm tiefer" in alignment_words(
+        small | step, Language("de")
+    )
+    assert "runs just before" not in alignment_words(small | step | {"step_offset_vertical_um": -9.5})
+    turned = {"step_angle_vertical_urad": -200.0, "step_angle_vertical_half_width_urad": 30.0}
+    assert (
+        "compared with the runs just before the change, it rises less from the coupling on, by 0.20 ± 0.03 mrad"
+        in alignment_words(small | turned)
+    )
+
+
 def test_other_findings_have_their_own_units() -> None:
     settled = {"vertical_um": -60.0, "vertical_error_um": 5.0, "horizontal_um": 2.0, "horizontal_error_um": 5.0}
     assert settlement_words(settled) == "60 ± 10 µm lower"

@@ -309,7 +309,7 @@ def test_a_message_of_a_machine_that_is_not_there_stores_nothing(plant: Database
 # --- restarts -------------------------------------------------------------------------------------------------------
 
 # A coast-down, a run-up, a little of a coast-down: two whole runs and the beginning of a third.
-STORY = [*sweep_rpm(2990.0, 400.0, 30), *sweep_rpm(450.0, 2900.0, 30), *sweep_rpm(2800.0, 2000.0, 10)]
+SWEEPS = [*sweep_rpm(2990.0, 400.0, 30), *sweep_rpm(450.0, 2900.0, 30), *sweep_rpm(2800.0, 2000.0, 10)]
 
 
 def collected(database: Database) -> list[tuple[Any, ...]]:
@@ -325,16 +325,16 @@ def collected_samples(session: Session) -> list[Samples]:
 
 @pytest.fixture
 def at_a_stretch(new_database: NewDatabase, plant_template: str) -> Database:
-    """Return what one service makes of the story in one message."""
+    """Return what one service makes of the sweeps in one message."""
     database = new_database(plant_template)
-    store(PromptWriter(database, Collector()), piece(0, len(STORY), STORY))
+    store(PromptWriter(database, Collector()), piece(0, len(SWEEPS), SWEEPS))
     return database
 
 
-@pytest.mark.parametrize("cuts", [[1], [15], [29, 30, 31], [33], [61], list(range(1, len(STORY)))])
+@pytest.mark.parametrize("cuts", [[1], [15], [29, 30, 31], [33], [61], list(range(1, len(SWEEPS)))])
 def test_a_run_over_restarts_is_the_run_at_a_stretch(plant: Database, at_a_stretch: Database, cuts: list[int]) -> None:
-    for first, last in zip([0, *cuts], [*cuts, len(STORY)], strict=True):
-        store(PromptWriter(plant, Collector()), piece(first, last, STORY))
+    for first, last in zip([0, *cuts], [*cuts, len(SWEEPS)], strict=True):
+        store(PromptWriter(plant, Collector()), piece(first, last, SWEEPS))
     expected = collected(at_a_stretch)
     assert [row[:2] for row in expected] == [("run-down", "open"), ("run-up", "closed"), ("run-down", "closed")]
     assert collected(plant) == expected

@@ -5,8 +5,8 @@ from storage.tables.alerting import AlertRow
 from tests.api_in_process import Api
 
 
-def test_alerts_of_all_machines_and_of_one(told: Api) -> None:
-    (one,) = told.value("/alerts")
+def test_alerts_of_all_machines_and_of_one(filled: Api) -> None:
+    (one,) = filled.value("/alerts")
     assert (one["machine"], one["rule"], one["element"], one["state"]) == (
         "pump-7",
         "misalignment",
@@ -14,9 +14,9 @@ def test_alerts_of_all_machines_and_of_one(told: Api) -> None:
         "unacknowledged",
     )
     assert one["closed_at"] is None
-    assert one["identification"] == told.value("/machines/pump-7/identifications")[0]["id"]
-    assert told.value("/machines/pump-7/alerts") == [one]
-    assert told.value(f"/alerts/{one['id']}") == one
+    assert one["identification"] == filled.value("/machines/pump-7/identifications")[0]["id"]
+    assert filled.value("/machines/pump-7/alerts") == [one]
+    assert filled.value(f"/alerts/{one['id']}") == one
 
 
 def test_only_open_alerts_when_asked_for(changing: Api) -> None:
@@ -32,5 +32,5 @@ def test_only_open_alerts_when_asked_for(changing: Api) -> None:
         assert one["closed_at"] is not None
 
 
-def test_a_number_that_is_none_is_null_in_the_evidence_too(told: Api) -> None:
-    assert told.value("/alerts")[0]["evidence"]["shift"] is None
+def test_a_number_that_is_none_is_null_in_the_evidence_too(filled: Api) -> None:
+    assert filled.value("/alerts")[0]["evidence"]["shift"] is None

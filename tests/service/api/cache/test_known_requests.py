@@ -36,7 +36,7 @@ def test_a_request_is_answered_at_once_until_something_is_committed(database: Da
     needs_counts(database)
     make = CountingApp()
 
-    async def story() -> list[bytes | None]:
+    async def exchange() -> list[bytes | None]:
         cache = ResponseCache(database)
         found = [current(cache, asked())]
         await cache.answer(asked(), TABLES, make)
@@ -46,13 +46,13 @@ def test_a_request_is_answered_at_once_until_something_is_committed(database: Da
         await cache.answer(asked(), TABLES, make)
         return [*found, current(cache, asked())]
 
-    assert asyncio.run(story()) == [None, b"1", None, b"2"]
+    assert asyncio.run(exchange()) == [None, b"1", None, b"2"]
 
 
 def test_others_are_not_answered_with_it(database: Database) -> None:
     needs_counts(database)
 
-    async def story() -> list[bytes | None]:
+    async def exchange() -> list[bytes | None]:
         cache = ResponseCache(database)
         await cache.answer(of_plants(asked(accept_language="de"), "mill"), TABLES, CountingApp())
         others = (
@@ -65,7 +65,7 @@ def test_others_are_not_answered_with_it(database: Database) -> None:
         )
         return [current(cache, one) for one in (*others, of_plants(asked(accept_language="de"), "mill"))]
 
-    assert asyncio.run(story()) == [None] * 6 + [b"1"]
+    assert asyncio.run(exchange()) == [None] * 6 + [b"1"]
 
 
 def test_what_changes_with_every_sample_is_as_new_as_when_it_is_routed(
@@ -74,14 +74,14 @@ def test_what_changes_with_every_sample_is_as_new_as_when_it_is_routed(
     needs_counts(database)
     monkeypatch.setattr(response_cache, "AHEAD_S", 0.0)
 
-    async def story() -> list[bytes | None]:
+    async def exchange() -> list[bytes | None]:
         cache = ResponseCache(database)
         await cache.answer(asked(), ("alerts",), CountingApp(), lately=TABLES)
         found = [current(cache, asked())]
         await asyncio.to_thread(create, database, "a")
         return [*found, current(cache, asked())]
 
-    assert asyncio.run(story()) == [b"1", None]
+    assert asyncio.run(exchange()) == [b"1", None]
 
 
 def test_what_follows_from_the_time_holds_for_its_time() -> None:
@@ -108,13 +108,13 @@ def test_addresses_without_end_whose_answers_are_empty_take_no_more_room(
 
     monkeypatch.setattr(response_cache, "MAXIMUM_CACHE_BYTES", 50_000)
 
-    async def story() -> Any:
+    async def exchange() -> Any:
         cache = ResponseCache(database)
         for number in range(100):
             await cache.answer(asked(f"/x/{number}"), TABLES, make)
         return len(cache._entries)
 
-    assert 1 < asyncio.run(story()) < 20
+    assert 1 < asyncio.run(exchange()) < 20
 
 
 def test_open_requests_are_known_by_themselves() -> None:

@@ -51,7 +51,7 @@ def create(database: Database, name: str) -> None:
 def test_an_answer_is_kept_until_something_is_committed_that_bears_on_it(database: Database) -> None:
     make = CountingApp()
 
-    async def story() -> list[bytes]:
+    async def exchange() -> list[bytes]:
         cache, found = ResponseCache(database), []
 
         async def ask(tables: tuple[str, ...] = TABLES) -> None:
@@ -69,13 +69,13 @@ def test_an_answer_is_kept_until_something_is_committed_that_bears_on_it(databas
 
     # PostgreSQL's mark is one for all tables: nothing was committed between the fourth and the fifth question.
     fifth = b"2" if database.kind == "postgresql" else b"3"
-    assert asyncio.run(story()) == [b"1", b"1", b"2", b"2", fifth, b"3"]
+    assert asyncio.run(exchange()) == [b"1", b"1", b"2", b"2", fifth, b"3"]
 
 
 def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     make = CountingApp()
 
-    async def story() -> list[bytes]:
+    async def exchange() -> list[bytes]:
         cache, found = ResponseCache(database), []
 
         async def ask() -> None:
@@ -94,7 +94,7 @@ def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database,
 
     # PostgreSQL's mark is one for all tables: there nothing is behind.
     expected = [b"1", b"2", b"2", b"2", b"3"] if database.kind == "postgresql" else [b"1", b"1", b"2", b"2", b"3"]
-    assert asyncio.run(story()) == expected
+    assert asyncio.run(exchange()) == expected
 
 
 def test_what_is_a_little_behind_is_rebuilt_while_nobody_waits(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,7 +104,7 @@ def test_what_is_a_little_behind_is_rebuilt_while_nobody_waits(database: Databas
     monkeypatch.setattr(response_cache, "LATELY_S", 3600.0)
     monkeypatch.setattr(response_cache, "AHEAD_S", 0.0)
 
-    async def story() -> list[bytes]:
+    async def exchange() -> list[bytes]:
         cache = ResponseCache(database)
 
         async def ask() -> bytes:
@@ -121,7 +121,7 @@ def test_what_is_a_little_behind_is_rebuilt_while_nobody_waits(database: Databas
 
     if database.kind == "postgresql":
         pytest.skip("its mark is one for all tables: nothing is behind")
-    assert asyncio.run(story()) == [b"1"] * 5 + [b"2"]
+    assert asyncio.run(exchange()) == [b"1"] * 5 + [b"2"]
     assert make.made == 2
 
 
@@ -135,7 +135,7 @@ def test_what_goes_wrong_while_nobody_waits_is_reported_to_who_asks_next(
     make = CountingApp(meanwhile=fail)
     monkeypatch.setattr(response_cache, "AHEAD_S", 0.0)
 
-    async def story() -> None:
+    async def exchange() -> None:
         cache = ResponseCache(database)
         await cache.answer(asked(), ("alerts",), make, lately=TABLES)
         await asyncio.to_thread(create, database, "a")
@@ -147,24 +147,24 @@ def test_what_goes_wrong_while_nobody_waits_is_reported_to_who_asks_next(
         with pytest.raises(ValueError, match="cannot be made"):
             await cache.answer(asked(), ("alerts",), make, lately=TABLES)
 
-    asyncio.run(story())
+    asyncio.run(exchange())
 
 
 def test_what_is_committed_while_an_answer_is_made_is_in_the_next_one(database: Database) -> None:
     make = CountingApp(meanwhile=lambda: create(database, f"m{make.made}"))
 
-    async def story() -> list[bytes]:
+    async def exchange() -> list[bytes]:
         cache = ResponseCache(database)
         return [bytes((await cache.answer(asked(), TABLES, make)).body) for _ in range(3)]
 
-    assert asyncio.run(story()) == [b"1", b"2", b"3"]
+    assert asyncio.run(exchange()) == [b"1", b"2", b"3"]
 
 
 def test_what_many_ask_at_once_is_made_once_and_none_goes_without_it(database: Database) -> None:
     go_on = threading.Event()
     make = CountingApp(meanwhile=lambda: go_on.wait(10))
 
-    async def story() -> list[bytes]:
+    async def exchange() -> list[bytes]:
         cache = ResponseCache(database)
         waiting = [asyncio.create_task(cache.answer(asked(), TABLES, make)) for _ in range(5)]
         while not make.made:
@@ -173,40 +173,40 @@ def test_what_many_ask_at_once_is_made_once_and_none_goes_without_it(database: D
         go_on.set()
         return [bytes((await one).body) for one in waiting[1:]]
 
-    assert asyncio.run(story()) == [b"1"] * 4
+    assert asyncio.run(exchange()) == [b"1"] * 4
 
 
 def test_what_differs_in_what_it_depends_on_is_made_apart(database: Database) -> None:
     make = CountingApp()
 
-    async def story() -> int:
+    async def exchange() -> int:
         cache = ResponseCache(database)
         for request in (asked(), asked("/y"), asked(accept="text/csv"), asked(accept_encoding="gzip")):
             await cache.answer(request, TABLES, make)
         await cache.answer(asked(), TABLES, make, apart=1)
         return make.made
 
-    assert asyncio.run(story()) == 5
+    assert asyncio.run(exchange()) == 5
 
 
 def test_an_error_is_reported_and_not_kept(database: Database) -> None:
     def wrong() -> Response:
         raise ValueError("no")
 
-    async def story() -> None:
+    async def exchange() -> None:
         cache = ResponseCache(database)
         with pytest.raises(ValueError, match="no"):
             await cache.answer(asked(), TABLES, wrong)
         assert (await cache.answer(asked(), TABLES, CountingApp())).body == b"1"
 
-    asyncio.run(story())
+    asyncio.run(exchange())
 
 
 def test_memory_is_bounded(database: Database) -> None:
     huge, large = CountingApp(LARGEST_KEPT_BYTES + 1), CountingApp(LARGEST_KEPT_BYTES // 2)
     many = 2 * MAXIMUM_CACHE_BYTES // (LARGEST_KEPT_BYTES // 2)
 
-    async def story() -> None:
+    async def exchange() -> None:
         cache = ResponseCache(database)
         for _ in range(2):
             await cache.answer(asked("/huge"), TABLES, huge)
@@ -216,7 +216,7 @@ def test_memory_is_bounded(database: Database) -> None:
         assert large.made == many
         await cache.answer(asked("/0"), TABLES, large)
 
-    asyncio.run(story())
+    asyncio.run(exchange())
     assert huge.made == 2
     assert large.made == many + 1
 
@@ -224,11 +224,11 @@ def test_memory_is_bounded(database: Database) -> None:
 def test_large_answers_are_compressed_for_who_takes_it(database: Database) -> None:
     make = CountingApp(5000)
 
-    async def story() -> tuple[Response, Response]:
+    async def exchange() -> tuple[Response, Response]:
         cache = ResponseCache(database)
         return await cache.answer(asked(accept_encoding="gzip"), TABLES, make), await cache.answer(asked(), TABLES, make)
 
-    small, whole = asyncio.run(story())
+    small, whole = asyncio.run(exchange())
     assert small.headers["content-encoding"] == "gzip"
     assert gzip.decompress(bytes(small.body)) == b"1" * 5000
     assert whole.body == b"2" * 5000
@@ -290,7 +290,7 @@ class BusyCallers:
 
 
 def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Database) -> None:
-    async def story() -> list[str]:
+    async def exchange() -> list[str]:
         busy = BusyCallers(database)
         await busy.no_thread_is_free()
         for number in range(20):
@@ -301,13 +301,13 @@ def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Datab
         await busy.all_done()
         return busy.order
 
-    order = asyncio.run(story())
+    order = asyncio.run(exchange())
     assert max(order.index("/own"), order.index("/many/19")) <= 5
     assert sorted(order) == sorted({*(f"/many/{number}" for number in range(20)), "/own"})
 
 
 def test_nothing_is_computed_for_those_who_have_hung_up(database: Database) -> None:
-    async def story() -> tuple[list[int], list[str]]:
+    async def exchange() -> tuple[list[int], list[str]]:
         busy = BusyCallers(database)
         await busy.no_thread_is_free()
         for number in range(3):
@@ -315,6 +315,6 @@ def test_nothing_is_computed_for_those_who_have_hung_up(database: Database) -> N
         busy.asks("/gone/1", "anna")
         return await busy.all_done(), busy.order
 
-    gone, order = asyncio.run(story())
+    gone, order = asyncio.run(exchange())
     assert order == ["/gone/1"]
     assert gone == [0, 2]

@@ -21,8 +21,8 @@ from tests.plant import machine
     + [f"/{kind}/{2**62}" for kind in ("runs", "identifications", "alerts")]
     + ["/nothing", "/machines/pump-7/nothing"],
 )
-def test_what_is_not_there_is_a_404(told: Api, path: str) -> None:
-    problem(told.get(path), 404)
+def test_what_is_not_there_is_a_404(filled: Api, path: str) -> None:
+    problem(filled.get(path), 404)
 
 
 @pytest.mark.parametrize(
@@ -47,18 +47,18 @@ def test_what_is_not_there_is_a_404(told: Api, path: str) -> None:
         ("/quarantine?limit=0", "query.limit"),
     ],
 )
-def test_a_wrong_request_is_a_422_that_names_the_parameter(told: Api, path: str, field: str) -> None:
-    assert fields(told.get(path)) == [field]
+def test_a_wrong_request_is_a_422_that_names_the_parameter(filled: Api, path: str, field: str) -> None:
+    assert fields(filled.get(path)) == [field]
 
 
 @pytest.mark.parametrize("path", ["runs", "identifications", "trends?parameter=bearing.B1.kxx"])
 @pytest.mark.parametrize("limit", ["from=0001-01-01T00:00:00Z", "to=9999-12-31T23:59:59Z", "from=2400-01-01T00:00:00"])
-def test_a_time_far_away_is_a_time_like_any_other(told: Api, path: str, limit: str) -> None:
-    assert told.get(f"/machines/pump-7/{path}{'&' if '?' in path else '?'}{limit}").status_code == 200
+def test_a_time_far_away_is_a_time_like_any_other(filled: Api, path: str, limit: str) -> None:
+    assert filled.get(f"/machines/pump-7/{path}{'&' if '?' in path else '?'}{limit}").status_code == 200
 
 
-def test_a_method_that_is_not_offered_is_a_405_with_those_that_are(told: Api) -> None:
-    answer = told.ask("DELETE", f"{PREFIX}/machines/pump-7")
+def test_a_method_that_is_not_offered_is_a_405_with_those_that_are(filled: Api) -> None:
+    answer = filled.ask("DELETE", f"{PREFIX}/machines/pump-7")
     problem(answer, 405)
     assert answer.headers.get("allow")
 
@@ -79,10 +79,10 @@ def test_stored_data_that_cannot_be_read_is_a_problem_too(changing: Api) -> None
     problem(changing.get(f"/runs/{down['id']}/phasors"), 503)
 
 
-def test_of_very_many_problems_the_first_are_listed(told: Api) -> None:
+def test_of_very_many_problems_the_first_are_listed(filled: Api) -> None:
     document = machine().model_dump(mode="json")
     document["shafts"][0]["sections"] = [{}] * 200
-    errors = problem(told.ask("POST", f"{PREFIX}/machines", json=document), 422)["errors"]
+    errors = problem(filled.ask("POST", f"{PREFIX}/machines", json=document), 422)["errors"]
     assert len(errors) == MOST_PROBLEMS + 1
     assert errors[0] == {"field": "shafts[0].sections[0].length", "message": "Field required"}
     assert errors[-1] == {
@@ -91,13 +91,13 @@ def test_of_very_many_problems_the_first_are_listed(told: Api) -> None:
     }
 
 
-def test_of_thousands_only_the_first_of_each_list_are_looked_at(told: Api) -> None:
+def test_of_thousands_only_the_first_of_each_list_are_looked_at(filled: Api) -> None:
     """Or the service would answer nobody meanwhile: 12,000 took most of a second."""
     document = machine().model_dump(mode="json")
     document["shafts"] = [{"id": "A", "sections": [{"length": 1.0, "outer_diameter": 0.1}] * 200} for _ in range(6)]
     document["shafts"][0]["id"] = json.loads('{"x": ' * 500 + "0" + "}" * 500)
     document["speed_range"] = {}
-    errors = problem(told.ask("POST", f"{PREFIX}/machines", json=document), 422)["errors"]
+    errors = problem(filled.ask("POST", f"{PREFIX}/machines", json=document), 422)["errors"]
     told_of = [error["field"] for error in errors]
     assert "speed_range.minimum_rpm" in told_of
     assert "shafts[5].sections[19].material" in told_of

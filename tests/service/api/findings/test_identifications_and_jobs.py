@@ -14,20 +14,20 @@ from tests.plant import (
 MOMENT = datetime.fromtimestamp(START // SECOND, UTC)
 
 
-def test_identifications_are_listed_newest_first(told: Api) -> None:
-    found = told.value("/machines/pump-7/identifications")
+def test_identifications_are_listed_newest_first(filled: Api) -> None:
+    found = filled.value("/machines/pump-7/identifications")
     assert [one["accepted"] for one in found] == [True, False, True, True]
     assert [one["scope"] for one in found] == ["run", "run", "gathered", "run"]
     assert found[0]["options"] == {"starts": 10, "seed": 0}
     assert math.isfinite(found[0]["condition_number"])
     moment = (MOMENT + timedelta(hours=1)).isoformat()
-    assert len(told.value("/machines/pump-7/identifications", **{"from": moment, "to": moment})) == 1
-    assert len(told.value("/machines/pump-7/identifications", limit=2)) == 2
+    assert len(filled.value("/machines/pump-7/identifications", **{"from": moment, "to": moment})) == 1
+    assert len(filled.value("/machines/pump-7/identifications", limit=2)) == 2
 
 
-def test_an_identification_with_its_estimates(told: Api) -> None:
-    newest = told.value("/machines/pump-7/identifications")[0]
-    body = told.value(f"/identifications/{newest['id']}")
+def test_an_identification_with_its_estimates(filled: Api) -> None:
+    newest = filled.value("/machines/pump-7/identifications")[0]
+    body = filled.value(f"/identifications/{newest['id']}")
     assert {name: body[name] for name in newest} == newest
     by_name = {one["parameter"]: one for one in body["estimates"]}
     assert by_name["coupling.C1.kxx"]["value"] == pytest.approx(2.4e6)
@@ -46,17 +46,17 @@ def test_an_identification_with_its_estimates(told: Api) -> None:
     assert (body["coordinates"], body["covariance"]) == (None, None)
 
 
-def test_the_covariance_comes_when_asked_for(told: Api) -> None:
-    newest = told.value("/machines/pump-7/identifications")[0]
-    body = told.value(f"/identifications/{newest['id']}", covariance=True)
+def test_the_covariance_comes_when_asked_for(filled: Api) -> None:
+    newest = filled.value("/machines/pump-7/identifications")[0]
+    body = filled.value(f"/identifications/{newest['id']}", covariance=True)
     size = len(body["coordinates"])
     assert size == len(body["estimates"]) + 2
     assert [len(row) for row in body["covariance"]] == [size] * size
     assert body["covariance"][0][0] == 1e-4
 
 
-def test_jobs_are_listed_newest_first(told: Api) -> None:
-    found = told.value("/machines/pump-7/jobs")
+def test_jobs_are_listed_newest_first(filled: Api) -> None:
+    found = filled.value("/machines/pump-7/jobs")
     assert (found[0]["state"], found[0]["error"]) == ("failed", "NotEnoughData: too few")
     assert (found[-1]["state"], found[-1]["finished_at"], found[-1]["attempts"]) == ("queued", None, 0)
-    assert len(told.value("/machines/pump-7/jobs", limit=1)) == 1
+    assert len(filled.value("/machines/pump-7/jobs", limit=1)) == 1

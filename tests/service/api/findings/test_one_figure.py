@@ -32,12 +32,12 @@ from tests.service.delivery.receivers import settings
 from tests.service.monitoring.test_alignment_alerts import FilmWeeks, sunk
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, Weeks
 
-STORIES: Mapping[str, Mapping[str, float]] = {
+SCENARIOS: Mapping[str, Mapping[str, float]] = {
     "misalignment": STIFFER,
     "unbalance": {"disc.D1.unbalance": 3.0},
     "bearing": {"bearing.B1.kxx": 1.4, "bearing.B1.kyy": 1.4},
 }
-FILM_STORIES: Mapping[str, Mapping[str, float]] = {
+FILM_SCENARIOS: Mapping[str, Mapping[str, float]] = {
     "misalignment": sunk(120e-6),
     "wear": {"bearing.B2.clearance": 0.15},
 }
@@ -48,13 +48,13 @@ def asked(api: Api) -> Callable[[str], Any]:
     return lambda path: api.value(path)
 
 
-@pytest.mark.parametrize("rule", STORIES)
+@pytest.mark.parametrize("rule", SCENARIOS)
 def test_a_train_with_coefficients_is_reported_in_one_way(plant: Database, rule: str) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE, unknown=("coupling.C1.cxx",))
         for week in range(4):
-            weeks.file({name: 1.0 + (factor - 1.0) * (0.7 + 0.1 * week) for name, factor in STORIES[rule].items()})
+            weeks.file({name: 1.0 + (factor - 1.0) * (0.7 + 0.1 * week) for name, factor in SCENARIOS[rule].items()})
     api = Api(plant)
     assert [one["rule"] for one in api.value("/alerts?open=true")] == [rule]
     wrong, compared = contradictions(asked(api), KEY.machine)
@@ -62,11 +62,11 @@ def test_a_train_with_coefficients_is_reported_in_one_way(plant: Database, rule:
     assert compared > 20
 
 
-@pytest.mark.parametrize("rule", FILM_STORIES)
+@pytest.mark.parametrize("rule", FILM_SCENARIOS)
 def test_a_train_on_oil_films_is_reported_in_one_way(plant: Database, rule: str) -> None:
     weeks = FilmWeeks(plant)
     weeks.file({}, times=BASELINE + 2)
-    weeks.file(FILM_STORIES[rule], times=3)
+    weeks.file(FILM_SCENARIOS[rule], times=3)
     api = Api(plant)
     assert [one["rule"] for one in api.value("/alerts?open=true")] == [rule]
     wrong, compared = contradictions(asked(api), MODEL.machine.id)

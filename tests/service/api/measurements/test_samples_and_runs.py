@@ -24,8 +24,8 @@ from tests.plant import (
 MOMENT = datetime.fromtimestamp(START // SECOND, UTC)
 
 
-def test_newest_samples(told: Api) -> None:
-    body = told.value("/machines/pump-7/samples", limit=2)
+def test_newest_samples(filled: Api) -> None:
+    body = filled.value("/machines/pump-7/samples", limit=2)
     assert body["machine"] == "pump-7"
     assert body["channels"] == ["B2X", "B2Y", "B3X", "B3Y"]
     assert body["speed_rpm"][-1] == pytest.approx(1500.0)
@@ -57,26 +57,26 @@ def test_samples_as_a_table_have_a_row_for_each_sample_and_channel(plant: Databa
 
 
 def test_more_values_than_an_answer_may_have_are_refused_with_how_many_may_be_asked_for(
-    told: Api, monkeypatch: pytest.MonkeyPatch
+    filled: Api, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ten thousand samples of 120 channels with all that sources send were 132 MB, and twelve readers 2.7 GB of memory."""
     monkeypatch.setattr(corrections, "MOST_VALUES", 100)
-    assert len(told.value("/machines/pump-7/samples", limit=12)["time"]) == 12
+    assert len(filled.value("/machines/pump-7/samples", limit=12)["time"]) == 12
     for said in ({}, {"include": "2x"}, {"include": "2x,scatter", "units": "mil_pp"}):
-        refused = problem(told.get("/machines/pump-7/samples", limit=13, **said), 422)
+        refused = problem(filled.get("/machines/pump-7/samples", limit=13, **said), 422)
         most = int(re.search(r"ask for (\d+) samples", refused["detail"])[1])  # type: ignore[index]
-        assert len(told.value("/machines/pump-7/samples", limit=most, **said)["time"]) == most
-        problem(told.get("/machines/pump-7/samples", limit=most + 1, **said), 422)
+        assert len(filled.value("/machines/pump-7/samples", limit=most, **said)["time"]) == most
+        problem(filled.get("/machines/pump-7/samples", limit=most + 1, **said), 422)
 
 
-def test_samples_before_those_that_were_read(told: Api) -> None:
-    whole = told.value("/machines/pump-7/samples", limit=10_000)["time"]
-    newest = told.value("/machines/pump-7/samples", limit=5)["time"]
+def test_samples_before_those_that_were_read(filled: Api) -> None:
+    whole = filled.value("/machines/pump-7/samples", limit=10_000)["time"]
+    newest = filled.value("/machines/pump-7/samples", limit=5)["time"]
     before = datetime.fromisoformat(newest[0]) - timedelta(microseconds=1)
-    older = told.value("/machines/pump-7/samples", limit=7, to=before.isoformat())["time"]
+    older = filled.value("/machines/pump-7/samples", limit=7, to=before.isoformat())["time"]
     assert older + newest == whole[-12:]
     asked = {"from": whole[3], "to": whole[8]}
-    assert told.value("/machines/pump-7/samples", **asked)["time"] == whole[3:9]
+    assert filled.value("/machines/pump-7/samples", **asked)["time"] == whole[3:9]
 
 
 def test_samples_are_read_through_revisions_that_describe_the_same_machine(changing: Api) -> None:
@@ -133,13 +133,13 @@ def test_of_a_machine_without_samples_there_are_none(api: Api) -> None:
     assert body["amplitude_um_pp"] == [[], [], [], []]
 
 
-def test_runs_are_listed_newest_first(told: Api) -> None:
-    up, down = told.value("/machines/pump-7/runs")
+def test_runs_are_listed_newest_first(filled: Api) -> None:
+    up, down = filled.value("/machines/pump-7/runs")
     assert (down["kind"], down["state"], down["samples"]) == ("run-down", "closed", 40)
     assert down["speed_maximum_rpm"] == pytest.approx(2990.0)
     assert (up["kind"], up["state"], up["ended_at"], up["samples"]) == ("run-up", "open", None, None)
     assert datetime.fromisoformat(down["started_at"]) == MOMENT
-    assert told.value(f"/runs/{down['id']}") == down
+    assert filled.value(f"/runs/{down['id']}") == down
 
 
 @pytest.mark.parametrize(
@@ -154,14 +154,14 @@ def test_runs_are_listed_newest_first(told: Api) -> None:
         ({"from": datetime(1, 1, 1, tzinfo=UTC), "to": datetime(9999, 12, 31, tzinfo=UTC)}, ["run-up", "run-down"]),
     ],
 )
-def test_runs_of_a_time_range(told: Api, limits: dict[str, Any], kinds: list[str]) -> None:
+def test_runs_of_a_time_range(filled: Api, limits: dict[str, Any], kinds: list[str]) -> None:
     asked = {name: value.isoformat() if isinstance(value, datetime) else value for name, value in limits.items()}
-    assert [one["kind"] for one in told.value("/machines/pump-7/runs", **asked)] == kinds
+    assert [one["kind"] for one in filled.value("/machines/pump-7/runs", **asked)] == kinds
 
 
-def test_phasors_of_a_closed_and_of_an_open_run(told: Api) -> None:
-    up, down = told.value("/machines/pump-7/runs")
-    closed, opened = told.value(f"/runs/{down['id']}/phasors"), told.value(f"/runs/{up['id']}/phasors")
+def test_phasors_of_a_closed_and_of_an_open_run(filled: Api) -> None:
+    up, down = filled.value("/machines/pump-7/runs")
+    closed, opened = filled.value(f"/runs/{down['id']}/phasors"), filled.value(f"/runs/{up['id']}/phasors")
     assert len(closed["time"]) == 40
     assert closed["amplitude_um_pp"][1][0] is None
     assert closed["phase_lag_deg"][1][0] is None

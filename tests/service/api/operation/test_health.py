@@ -36,23 +36,23 @@ def test_only_what_a_new_start_mends_is_a_reason_for_one(api: Api, state: str, a
     assert (answer.status_code, answer.json()) == (200 if alive else 503, {"alive": alive})
 
 
-def test_health_counts_jobs(told: Api) -> None:
-    assert told.value("/health")["jobs"] == {"queued": 1, "done": 4, "failed": 1}
+def test_health_counts_jobs(filled: Api) -> None:
+    assert filled.value("/health")["jobs"] == {"queued": 1, "done": 4, "failed": 1}
 
 
-def test_sources(told: Api) -> None:
-    (one,) = told.value("/sources")
+def test_sources(filled: Api) -> None:
+    (one,) = filled.value("/sources")
     assert (one["machine"], one["source"], one["epoch"]) == ("pump-7", "monitor", 1)
     assert (one["next_sequence"], one["received"], one["duplicates"], one["lost"]) == (84, 81, 0, 3)
     assert datetime.fromisoformat(one["newest_sample_at"]) == MOMENT + timedelta(seconds=80)
 
 
-def test_quarantine(told: Api) -> None:
-    body = told.value("/quarantine")
+def test_quarantine(filled: Api) -> None:
+    body = filled.value("/quarantine")
     assert body["counts"] == {"bad_frame": 1}
     (entry,) = body["entries"]
     assert (entry["reason"], entry["machine"], entry["size"]) == ("bad_frame", "pump-7", 7)
     assert "noise" in entry["payload"]
-    assert told.value("/quarantine", reason="bad_frame", machine="pump-7", limit=1)["entries"] == [entry]
-    assert told.value("/quarantine", reason="too_large")["entries"] == []
-    assert told.value("/quarantine", machine="pump-8")["entries"] == []
+    assert filled.value("/quarantine", reason="bad_frame", machine="pump-7", limit=1)["entries"] == [entry]
+    assert filled.value("/quarantine", reason="too_large")["entries"] == []
+    assert filled.value("/quarantine", machine="pump-8")["entries"] == []

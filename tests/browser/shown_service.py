@@ -26,10 +26,10 @@ FLAGS = (
 )
 
 
-def run_story(service: Service) -> None:
+def run_scenario(service: Service) -> None:
     """Some weeks of a machine whose coupling goes out of alignment, all of it identified."""
     service.create(MACHINE)
-    simulate(service, MACHINE, cycles=CYCLES, rate=1000, wait_s=90, story="misalignment")
+    simulate(service, MACHINE, cycles=CYCLES, rate=1000, wait_s=90, scenario="misalignment")
     until(service.idle, within_s=90, what="all runs are identified")
 
 
@@ -40,12 +40,14 @@ def simulate(
     cycles: int,
     rate: float,
     wait_s: float,
-    story: str = "healthy",
+    scenario: str = "healthy",
     document: Path | None = None,
 ) -> None:
     """Run-ups and run-downs over zenoh until all of them are closed. document: by default the example of that name."""
     flags = ["--cycles", str(cycles), "--samples", "60", "--rate", str(rate), "--seed", "3", "--connect", service.endpoint]
-    with process(service.folder / "simulate.log", "simulate", f"{document or EXAMPLES / f'{machine}.yaml'}:{story}", *flags):
+    with process(
+        service.folder / "simulate.log", "simulate", f"{document or EXAMPLES / f'{machine}.yaml'}:{scenario}", *flags
+    ):
         until(lambda: closed(service, machine) == 2 * cycles, within_s=wait_s, what=f"the runs of {machine} are closed")
 
 
