@@ -44,8 +44,10 @@ UNLIKE = 10.0
 """Most times by which the noise of one dwell's channel is expected to be more or less than usual [-]."""
 LARGE_MOUNTING_PART = 0.3
 """Part of the trial weights' effect beyond which differences between mountings are doubted [-]"""
+USUAL_PASSES = 10
+"""Most times that the sizes of scatter are estimated anew where mountings differ little beside the trial weights."""
 PASSES, PASSES_OF_OTHERS = 40, 20
-"""Most times that the sizes of scatter are estimated anew, for runs as they are stated, and as they may have been meant."""
+"""Most times where they differ by more, for runs as they are stated, and as they may have been meant."""
 ENOUGH = 12
 """Passes from which on a fit ends as soon as it would be refused: those of runs that fit have settled by then."""
 STEPS = 40
@@ -242,7 +244,8 @@ def _settled(
 ) -> tuple[Floats, ScatterSizes, bool]:
     """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged.
 
-    It ends earlier where the runs would be refused after enough passes. What still changes after the last has not converged.
+    It ends earlier where mountings differ little beside the weights, so that gains rest on these, and where the runs would be
+    refused after enough passes. What still changes after the last has not converged.
     """
     pass_before = None
     for number in range(1, passes + 1):
@@ -254,6 +257,8 @@ def _settled(
         if ahead.is_near(sizes):
             return theta, sizes, converged
         pass_before, sizes = (sizes, found), ahead
+        if number == USUAL_PASSES and now.unexplained_part(theta) <= LARGE_MOUNTING_PART:
+            return theta, sizes, converged
         if number >= ENOUGH and not _verdict(now, theta, converged)[0]:
             return theta, sizes, converged
     return theta, sizes, False
