@@ -16,7 +16,7 @@ from estimator.calibration.calibrate import calibrate
 from estimator.calibration.calibration_runs import CalibrationRun
 
 RUNS, SPEEDS = 20, 40
-RIGHT, WRONG = 200, 20
+RIGHT, WRONG = 60, 10
 """Right sets of runs, and wrong ones of each kind."""
 SHORT_RIGHT, SHORT_WRONG = 20, 5
 MOST_REFUSED, LEAST_REFUSED = 0.05, 0.9
@@ -67,9 +67,10 @@ def is_refused(seed: int, wrong: Callable[[StatedWeights], StatedWeights] | None
     plant = MountedTrain("motor-pump", seed)
     runs = plant.runs(RUNS, SPEEDS)
     if wrong is not None:
-        runs = _stated(runs, wrong([np.asarray(one.measurement.added) for one in runs]))
+        runs = stated(runs, wrong([np.asarray(one.measurement.added) for one in runs]))
     return not calibrate(plant.machine, runs).accepted
 
 
-def _stated(runs: Sequence[CalibrationRun], put: StatedWeights) -> list[CalibrationRun]:
+def stated(runs: Sequence[CalibrationRun], put: StatedWeights) -> list[CalibrationRun]:
+    """Return runs with the weights of each (S, P) stated as given [kg m]."""
     return [replace(one, measurement=replace(one.measurement, added=said)) for one, said in zip(runs, put, strict=True)]

@@ -15,7 +15,7 @@ from estimator.calibration.exchanges import exchange_text, likely_exchanges, log
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
-from estimator.calibration.scatter_likelihood import information_of_means, with_scatter_slope
+from estimator.calibration.scatter_likelihood import information_of_means, with_scatter_bound
 from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_gains, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
@@ -44,14 +44,18 @@ UNLIKE = 10.0
 """Most times by which the noise of one dwell's channel is expected to be more or less than usual [-]."""
 LARGE_MOUNTING_PART = 0.3
 """Part of the trial weights' effect beyond which differences between mountings are doubted [-]"""
-PASSES = 10
-"""Most times that the sizes of scatter are estimated anew."""
+USUAL_PASSES = 10
+"""Most times that the sizes of scatter are estimated anew where mountings differ little beside the trial weights."""
+PASSES, PASSES_OF_OTHERS = 40, 20
+"""Most times where they differ by more, for runs as they are stated, and as they may have been meant."""
+ENOUGH = 12
+"""Passes from which on a fit ends as soon as it would be refused: those of runs that fit have settled by then."""
 STEPS = 40
 """Most steps of the fit in each of these."""
 MOST_OF_SWEEPS = (120, 400)
 """Number of samples of all sweeps together for the starts, and for the end: more at nearly the same speeds say little."""
-STARTS = 6
-"""Most starts of the first fit."""
+STARTS, STARTS_OF_OTHERS = 6, 1
+"""Most starts of the first fit of the runs as they are stated, and as they may have been meant."""
 NO_FIT = (FitFailed, SingularCondensation, np.linalg.LinAlgError)
 
 
@@ -78,6 +82,15 @@ class Calibrated:
     unique: bool
     sizes: ScatterSizes
     speeds: Floats
+
+
+@dataclass(frozen=True)
+class _Effort:
+    """Effort of a fit: samples of sweeps as in `MOST_OF_SWEEPS`, most starts, and most passes for either number of samples."""
+
+    of_sweeps: tuple[int, int]
+    starts: int
+    passes: int
 
 
 @dataclass(frozen=True)
@@ -168,34 +181,34 @@ def _with_remark(found: Calibrated, remark: str) -> Calibrated:
 
 def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> str:
     """Return the exchanges of probes or weights with which accepted fits are far likelier, by a part of the samples."""
-    few = (MOST_OF_SWEEPS[0],) * 2
-    try:
-        stated = _fitted(machine, runs, seed, few)
-    except NO_FIT:
+    stated = _tried(machine, runs, seed)
+    if stated is None:
         return ""
     before, better = log_likelihood(stated.problem, stated.theta), []
     for exchange in likely_exchanges(machine, stated.problem, stated.theta):
-        try:
-            tried = _fitted(machine, exchange.runs(runs), seed, few)
-        except NO_FIT:
-            continue
-        if _verdict(tried.problem, tried.theta, tried.converged)[0]:
+        tried = _tried(machine, exchange.runs(runs), seed)
+        if tried is not None and _verdict(tried.problem, tried.theta, tried.converged)[0]:
             better.append((exchange, log_likelihood(tried.problem, tried.theta) - before))
     return exchange_text(better, int(np.count_nonzero(stated.problem.used)))
 
 
 def _is_accepted(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> bool:
     """Return whether other runs calibrate, by a part of the samples of their sweeps."""
+    found = _tried(machine, runs, seed)
+    return found is not None and _verdict(found.problem, found.theta, found.converged)[0]
+
+
+def _tried(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> _Fitted | None:
+    """Return the fit of a part of the samples of runs from few starts; None where none leads anywhere."""
     try:
-        found = _fitted(machine, runs, seed, (MOST_OF_SWEEPS[0],) * 2)
-        return _verdict(found.problem, found.theta, found.converged)[0]
+        return _fitted(machine, runs, seed, _Effort((MOST_OF_SWEEPS[0],) * 2, STARTS_OF_OTHERS, PASSES_OF_OTHERS))
     except NO_FIT:
-        return False
+        return None
 
 
 def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int) -> Calibrated:
     """Return the calibration of runs that were checked, with the remarks on them."""
-    found = _fitted(machine, runs, seed, MOST_OF_SWEEPS)
+    found = _fitted(machine, runs, seed, _Effort(MOST_OF_SWEEPS, STARTS, PASSES))
     problem, scatter, theta = found.problem, found.scatter, found.theta
     gains = problem.coordinates.channels.gains(theta)
     remarks = (*found.held, *remarks, *found.first.remarks, *unlikely_gains(gains))
@@ -209,38 +222,46 @@ def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple
     return Calibrated(document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds)
 
 
-def _fitted(machine: Machine, runs: Sequence[CalibrationRun], seed: int, of_sweeps: tuple[int, int]) -> _Fitted:
-    """Return the fit of all runs. of_sweeps: as `MOST_OF_SWEEPS`. Raises the errors of `calibrate`."""
-    few, most = (_gathered(runs, most) for most in of_sweeps)
+def _fitted(machine: Machine, runs: Sequence[CalibrationRun], seed: int, effort: _Effort) -> _Fitted:
+    """Return the fit of all runs. Raises the errors of `calibrate`."""
+    few, most = (_gathered(runs, most) for most in effort.of_sweeps)
     fitted, held = with_free_parameters(machine, most.measurement)
     problem, scatter, speeds = _problem(fitted, few)
     sizes = scatter.stated
     problem = scatter.applied(problem, sizes)
-    first = best_fit(problem, starts=STARTS, seed=seed, good=lambda _: True, twice=True, passes=0, begin=best_chains)
-    theta, sizes, converged = _settled(problem, scatter, first.fit.theta, sizes)
+    first = best_fit(problem, starts=effort.starts, seed=seed, good=lambda _: True, twice=True, passes=0, begin=best_chains)
+    theta, sizes, converged = _settled(problem, scatter, first.fit.theta, sizes, effort.passes)
     if most.mounting.size > few.mounting.size:
         point = problem.coordinates.point(theta)
         problem, scatter, speeds = _problem(fitted, most)
-        theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes)
+        theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes, effort.passes)
     problem = scatter.applied(problem, sizes)
     return _Fitted(fitted, held, problem, scatter, theta, sizes, converged, first, speeds)
 
 
 def _settled(
-    problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes
+    problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes, passes: int
 ) -> tuple[Floats, ScatterSizes, bool]:
-    """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged."""
-    converged, pass_before = False, None
-    for _ in range(PASSES):
+    """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged.
+
+    It ends earlier where mountings differ little beside the weights, so that gains rest on these, and where the runs would be
+    refused after enough passes. What still changes after the last has not converged.
+    """
+    pass_before = None
+    for number in range(1, passes + 1):
         stated_square = (scatter.stated.eccentricity / sizes.eccentricity) ** 2
-        now = with_scatter_slope(scatter.applied(problem, sizes), theta, stated_square=stated_square)
+        now = with_scatter_bound(scatter.applied(problem, sizes), theta, stated_square=stated_square)
         theta, converged, _ = descend(now, theta, now.weight(np.abs(now.measurement.phasor), 0.0), STEPS)
         found = scatter.estimated(now, theta, sizes)
         ahead = found.ahead(sizes, pass_before)
         if ahead.is_near(sizes):
             return theta, sizes, converged
         pass_before, sizes = (sizes, found), ahead
-    return theta, sizes, converged
+        if number == USUAL_PASSES and now.unexplained_part(theta) <= LARGE_MOUNTING_PART:
+            return theta, sizes, converged
+        if number >= ENOUGH and not _verdict(now, theta, converged)[0]:
+            return theta, sizes, converged
+    return theta, sizes, False
 
 
 def _gathered(runs: Sequence[CalibrationRun], most: int) -> _Gathered:

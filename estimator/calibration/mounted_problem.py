@@ -14,6 +14,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.calibration.determinant_bound import DeterminantBound
 from estimator.fit.optimisation.maximum_likelihood import BEND_PART, bend
 from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
@@ -76,12 +77,12 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
     Attributes:
         mounting: Mounting (S,) of each sample, ascending from 0.
         spread: Rms (P + m,) of the difference of each disc's unbalance [kg m] and of each channel's run-out [m].
-        slope: Derivative (n,) of what counts beside χ² as a straight line [-]; empty for nothing.
+        bound: What counts beside χ²; None for nothing.
     """
 
     mounting: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     spread: Floats = field(default_factory=lambda: np.zeros(0))
-    slope: Floats = field(default_factory=lambda: np.zeros(0))
+    bound: DeterminantBound | None = None
 
     @property
     def planes(self) -> int:
@@ -128,14 +129,18 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
             weight: Weights (S, m) [1/m].
 
         Returns:
-            χ² of the data with the cost of the differences [-], -½ of its gradient (n,) [-] and its curvature (n, n) [-].
+            χ² of the data with the cost of the differences and the bound [-], -½ of its gradient (n,) [-] and ½ of its
+            curvature (n, n) [-].
         """
         found = self.linearisation(theta, weight)
         chi_square = float(found.residual @ found.residual + np.sum(found.difference**2))
         curvature = found.rows @ found.rows.T
         curvature -= found.explained()
-        slope = self._slope(theta)
-        return chi_square + float(slope @ theta), found.rows @ found.residual - slope / 2.0, curvature
+        gradient = found.rows @ found.residual
+        if self.bound is None:
+            return chi_square, gradient, curvature
+        slope, bend_of_bound = self.bound.derivatives(theta)
+        return chi_square + self.bound.value(theta), gradient - slope / 2.0, curvature + bend_of_bound / 2.0
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
         """Compute χ² at the most likely differences between mountings, with their cost.
@@ -153,7 +158,7 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         phasor, by_difference = self._effects(theta, self.scaled_train(theta))
         lowered = self._differences(phasor, by_difference, weight)[2]
         residual = (self.measurement.phasor - phasor) * weight
-        return float(np.vdot(residual, residual).real) - lowered + float(self._slope(theta) @ theta)
+        return float(np.vdot(residual, residual).real) - lowered + (0.0 if self.bound is None else self.bound.value(theta))
 
     def residual(self, theta: Floats, weight: Floats) -> tuple[Floats, Floats]:
         """Compute what is left at the most likely differences between mountings.
@@ -212,9 +217,6 @@ class MountedProblem(FitProblem, frozen=True, eq=False):
         pieces = [slice(first, last) for first, last in zip(edges, edges[1:], strict=False)]
         mixed = np.stack([whole[:, one] @ own[:, one].T for one in pieces])
         return MountedLinearisation(np.concatenate(residual, axis=-1), whole, own, mounting, inverse, mixed, difference)
-
-    def _slope(self, theta: Floats) -> Floats:
-        return self.slope if self.slope.size else np.zeros(theta.size)
 
     @property
     def _sizes(self) -> Floats:

@@ -13,14 +13,15 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.calibration.determinant_bound import DeterminantBound
 from estimator.calibration.like_sizes import STATED_WEIGHT
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.rotor.response import sensitivity
 
 
-def with_scatter_slope(problem: MountedProblem, theta: Floats, *, stated_square: float) -> MountedProblem:
-    """Return a problem whose χ² has the determinant's logarithm beside it, as a straight line through θ.
+def with_scatter_bound(problem: MountedProblem, theta: Floats, *, stated_square: float) -> MountedProblem:
+    """Return a problem whose χ² has the determinant's logarithm beside it, as a bound that touches it at θ.
 
     The sizes of scatter rest on as much of the differences as the coordinates leave over (restricted likelihood). The
     determinant counts by the same part: so receptances and sizes that change together leave the likelihood as it is. What the
@@ -37,7 +38,8 @@ def with_scatter_slope(problem: MountedProblem, theta: Floats, *, stated_square:
         The problem; where its descent ends at θ, the likelihood has its maximum there.
     """
     part = _part_shown(problem, theta, stated_square)
-    return replace(problem, slope=part * scatter_slope(problem, theta))
+    slope = part * scatter_slope(problem, theta)
+    return replace(problem, bound=DeterminantBound.through(theta, slope, problem.coordinates.channels))
 
 
 def scatter_slope(problem: MountedProblem, theta: Floats) -> Floats:

@@ -14,6 +14,10 @@ from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
 
 
+class MissingColumn(UnreadableFile):
+    """Raised for a column that a recording does not have."""
+
+
 class RecordedTable(Struct, frozen=True):
     """Rows of a CSV file by the names in its header line, or of a measuring system's file.
 
@@ -68,7 +72,7 @@ class RecordedTable(Struct, frozen=True):
         if f"{name}#1" in self.rows[0]:
             raise UnreadableFile(f"{self.path}: column '{name}' is there more than once: name '{name}#1', '{name}#2', …")
         if name not in self.rows[0]:
-            raise UnreadableFile(f"{self.path} has no column '{name}'; it has {', '.join(filter(None, self.rows[0]))}")
+            raise MissingColumn(f"{self.path} has no column '{name}'; it has {', '.join(filter(None, self.rows[0]))}")
         return [row[name] for row in self.rows]
 
     def _number(self, row: int, name: str, text: str | None) -> float | None:

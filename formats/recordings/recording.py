@@ -21,7 +21,7 @@ from estimator.machine.document import Machine, field_path
 from estimator.units import RADIANS
 from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
-from formats.recordings.recorded_table import RecordedTable
+from formats.recordings.recorded_table import MissingColumn, RecordedTable
 from formats.recordings.sidecar_place import sidecar_of
 from formats.recordings.trial_weights import EXAMPLE, TrialWeight
 from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
@@ -56,6 +56,20 @@ class RecordedChannel(BaseModel):
         if None in polar + parts and (None not in polar or None not in parts) and (polar + parts).count(None) == 2:
             return self
         raise ValueError("give the columns of amplitude and phase, or of real and imaginary")
+
+
+EXAMPLES = {
+    "plant": "plant-1",
+    "machine": "pump-7",
+    "speed": "speed_rpm",
+    "speed_unit": "rpm",
+    "channels": "[{channel: B1X, amplitude: B1X_um_pp, phase: B1X_lag_deg}]",
+    "amplitude_unit": "um",
+    "amplitude_kind": "peak-to-peak",
+    "phase_convention": "lag",
+    "phase_unit": "deg",
+}
+"""Value of each field that a sidecar must have, as an example."""
 
 
 class Sidecar(BaseModel):
@@ -128,7 +142,7 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     """Return all rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
     sidecar = _sidecar_of(path, sidecar_path)
     table = RecordedTable.read(path)
-    speed = table.column(sidecar.speed)
+    speed = _speed(table, sidecar)
     start = from_datetime(sidecar.start)
     turn = 1.0 if sidecar.phase_unit == "rad" else RADIANS["deg"]
     return SampleBatch(
@@ -306,9 +320,22 @@ def _is_alternative(names: tuple[int | str, ...], kind: str) -> bool:
 
 def _fault_text(location: tuple[int | str, ...], message: str) -> str:
     """Return one fault: the field, where it is one field's, and what would be right."""
+    if message == "Field required" and location[0] in EXAMPLES and len(location) == 1:
+        return f"{location[0]}: it is missing; one is `{location[0]}: {EXAMPLES[str(location[0])]}`"
     fields = tuple(one for one in location if not str(one).startswith(("dict[", "literal[", "constrained-", "function-")))
     message = message.removeprefix("Value error, ")
     return f"{field_path(fields)}: {message}" if fields else message
+
+
+def _speed(table: RecordedTable, sidecar: Sidecar) -> list[float]:
+    """Return the speed of each row. Raises UnreadableFile."""
+    try:
+        return table.column(sidecar.speed)
+    except MissingColumn as error:
+        raise UnreadableFile(
+            f"{error}: a run is nothing without the keyphasor's speed; export it, too, or name its column as `speed` in the "
+            "sidecar"
+        ) from None
 
 
 def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:

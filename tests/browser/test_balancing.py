@@ -15,6 +15,7 @@ from tests.end_to_end.processes import Service, example
 from tests.estimator.trains import dense_response
 
 COPY = "to-be-balanced"
+NEW = "never-run"
 TRIAL_G_MM = 5000.0
 
 
@@ -23,6 +24,7 @@ def place(place: Service) -> Service:
     """The same service, with a copy of its machine, of whose three runs the second had a trial weight on D1."""
     with place.running():
         create_copy(place, COPY, "Train to be balanced")
+        create_copy(place, NEW, "Train that never ran")
         send(place, _with_trial_weight(first_runs(place)))
     return place
 
@@ -221,6 +223,29 @@ def test_a_form_stays_until_the_balancing_that_it_began_is_shown(seen: Seen, ser
     expect(dialog).to_have_count(0)
     begun = service.get(f"/machines/{COPY}/balancings")[0]["id"]
     expect(seen.page.get_by_role("combobox", name="Balancing")).to_have_value(str(begun))
+
+
+def test_without_a_closed_run_a_form_says_what_it_waits_for(seen: Seen) -> None:
+    seen.open(f"machines/{NEW}/balancing")
+    dialog = _step(seen, "Begin …")
+    expect(dialog.get_by_text("No run of this machine is closed yet.")).to_be_visible()
+    _send(dialog, "Begin")
+    expect(dialog).to_be_visible()
+
+
+def test_a_weight_of_zero_and_a_run_that_is_used_already_are_answered_in_the_form(seen: Seen, service: Service) -> None:
+    runs = _closed_runs(service, COPY)
+    _until_tried(seen, COPY, runs)
+    dialog = _step(seen, "Add a trial run …")
+    dialog.locator("select[name=run]").select_option(str(runs[2]))
+    dialog.get_by_label("Amount").fill("0")
+    dialog.get_by_label("Angle").fill("0")
+    _send(dialog, "Add")
+    expect(dialog.get_by_text("a weight of zero is none")).to_be_visible()
+    dialog.get_by_label("Amount").fill("100")
+    dialog.locator("select[name=run]").select_option(str(runs[1]))
+    _send(dialog, "Add")
+    expect(dialog.get_by_text(f"run {runs[1]} is part of this balancing already")).to_be_visible()
 
 
 def _hold_reads(route: Route, held: list[Route]) -> None:

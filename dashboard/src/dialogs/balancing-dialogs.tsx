@@ -160,6 +160,7 @@ function RunField({ machine, label }: { machine: string; label: string }) {
           <option key={one.id} value={one.id}>{`${one.id}  ${term(one.kind)}, ${when(one.started_at)}`}</option>
         ))}
       </select>
+      {data && closed.length === 0 && <small role="note">{t("noClosedRunYet")}</small>}
     </label>
   );
 }

@@ -57,6 +57,7 @@ export const de: Record<Key, string> = {
   compare: "Vergleichen",
   runWithoutTrialWeights: "Lauf ohne Testmassen",
   runWithTheWeight: "Lauf mit der Testmasse",
+  noClosedRunYet: "Noch kein Lauf dieser Maschine ist abgeschlossen. Ein Lauf ist es, wenn die Drehzahl den Drehzahlbereich verlassen hat.",
   theDiscsScaleOfAngles: "Die Winkelskala der Scheiben wächst",
   fromXTowardsY: "von +x nach +y",
   withTheRotation: "mit der Drehrichtung",

@@ -56,6 +56,7 @@ export const en = {
   compare: "Compare",
   runWithoutTrialWeights: "Run without trial weights",
   runWithTheWeight: "Run with the weight",
+  noClosedRunYet: "No run of this machine is closed yet. A run is once the speed has left the speed range.",
   theDiscsScaleOfAngles: "The discs' scale of angles grows",
   fromXTowardsY: "from +x towards +y",
   withTheRotation: "with the rotation",

@@ -21,6 +21,8 @@ DiscAngle = Annotated[
 ]
 SMALLEST = 1e-6
 """Smallest amount of a weight, in any unit."""
+MOST_INITIAL = 20
+"""Largest number of initial runs of a balancing."""
 Size = Annotated[float, Field(ge=1e-6, le=1e9, allow_inf_nan=False)]
 RunNumber = Annotated[int, Field(ge=0, le=2**62)]
 
@@ -82,6 +84,24 @@ def _loaded(value: object) -> object:
     return value
 
 
+def _initial(value: object) -> object:
+    """Return the value if it lists runs, each once. Raises ValueError otherwise."""
+    if isinstance(value, list) and not value:
+        raise ValueError("a balancing begins with a run of the machine as it is, before any trial weight, such as [41]")
+    shown = value[:MOST_INITIAL] if isinstance(value, list) else []
+    twice = [run for place, run in enumerate(shown) if run in shown[:place]]
+    if twice:
+        raise ValueError(f"run {twice[0]} stands twice among the initial runs: each counts once")
+    return value
+
+
+def _chosen(value: object) -> object:
+    """Return the value unless it is an empty list of discs. Raises ValueError for that."""
+    if value == []:
+        raise ValueError("a correction needs a disc; without `discs` it takes all that had a trial weight")
+    return value
+
+
 Weights = Annotated[list[WeightIn], BeforeValidator(_listed), Field(max_length=100)]
 
 
@@ -93,7 +113,7 @@ def required(*names: str) -> ConfigDict:
 class BalancingIn(StrictModel):
     """The beginning of a balancing: runs of the machine as it is, before any trial weight."""
 
-    runs: Annotated[list[RunNumber], Field(min_length=1, max_length=20)]
+    runs: Annotated[list[RunNumber], BeforeValidator(_initial), Field(min_length=1, max_length=MOST_INITIAL)]
     disc_scale: DiscScale = Field(
         default=DiscScale(),
         description="on which all angles of weights are said; by default from the keyphasor mark, +x to +y",
@@ -138,8 +158,8 @@ class PlacesIn(StrictModel):
 class CorrectionIn(StrictModel):
     """Bounds of a correction, and the grade by which it is judged."""
 
-    discs: Annotated[list[Identifier], Field(min_length=1, max_length=100)] | None = Field(
-        default=None, description="discs to correct in; by default all that had a trial weight"
+    discs: Annotated[Annotated[list[Identifier], Field(min_length=1, max_length=100)] | None, BeforeValidator(_chosen)] = (
+        Field(default=None, description="discs to correct in; by default all that had a trial weight")
     )
     criterion: Criterion = Field(default="least-squares", description="of the vibration: least squares, or least largest")
     limits_g_mm: Annotated[dict[Identifier, Size], Field(max_length=100)] = Field(

@@ -9,7 +9,7 @@ import yaml
 
 from formats.files.document_files import UnreadableFile
 from formats.recordings.recorded_runs import read_measurement
-from formats.recordings.recording import Sidecar, read_recording, read_sidecar, split, write_recording
+from formats.recordings.recording import EXAMPLES, Sidecar, read_recording, read_sidecar, split, write_recording
 from formats.wire import Key, decode_batch, encode_batch, to_samples
 from tests.paths import DATA
 from tests.plant import SECOND, START, batch, document, machine, sweep_rpm
@@ -197,6 +197,15 @@ def test_a_sidecar_knows_its_defaults(recording: Path) -> None:
     found = read_sidecar(recording.with_suffix(".yaml"))
     assert isinstance(found, Sidecar)
     assert (found.source, found.direction) == ("recording", "positive")
+
+
+@pytest.mark.parametrize("field", EXAMPLES)
+def test_a_field_that_a_sidecar_must_have_is_named_with_an_example(recording: Path, field: str) -> None:
+    described = sidecar()
+    del described[field]
+    recording.with_suffix(".yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
+    assert f"{field}: it is missing; one is `{field}: " in refused(recording)
+    Sidecar.model_validate(described | {field: yaml.safe_load(EXAMPLES[field])})
 
 
 def test_columns_may_be_operating_conditions(tmp_path: Path) -> None:

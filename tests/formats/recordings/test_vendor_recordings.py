@@ -111,6 +111,15 @@ def test_columns_that_map_twice_and_files_that_are_cut_are_named(tmp_path: Path)
         read_recording(tmp_path / "b.mat")
 
 
+def test_a_file_without_the_keyphasors_speed_says_what_to_export(tmp_path: Path) -> None:
+    mapped(tmp_path)
+    scipy.io.savemat(tmp_path / "a.mat", {"A": AMPLITUDE, "P": PHASE})
+    with pytest.raises(
+        UnreadableFile, match="has no column 'Speed'; it has A, P: a run is nothing without the keyphasor's speed"
+    ):
+        read_recording(tmp_path / "a.mat")
+
+
 ENCODED = [("cp1252", "\r\n"), ("utf-16", "\r\n"), ("utf-8-sig", "\r\n"), ("utf-8", "\r")]
 
 

@@ -210,6 +210,25 @@ def test_a_trial_weight_that_is_none_is_refused(api: Api, weight: dict[str, Any]
     assert any(words in one["message"] for one in answer["errors"])
 
 
+@pytest.mark.parametrize(
+    ("runs", "words"),
+    [
+        ([], "a balancing begins with a run of the machine as it is, before any trial weight, such as [41]"),
+        ([3, 1, 3], "run 3 stands twice among the initial runs: each counts once"),
+    ],
+)
+def test_initial_runs_that_are_none_or_stand_twice_are_refused(api: Api, runs: list[int], words: str) -> None:
+    ((where, told),) = [
+        (one["field"], one["message"]) for one in api("POST", PATH, 422, json={"runs": runs, "by": "Ada"})["errors"]
+    ]
+    assert (where, told) == ("runs", words)
+
+
+def test_a_correction_in_no_disc_is_told_what_it_takes(api: Api, begun: int) -> None:
+    (told,) = api("POST", f"{PATH}/{begun}/correction", 422, json={"discs": [], "by": "Ada"})["errors"]
+    assert told["message"] == "a correction needs a disc; without `discs` it takes all that had a trial weight"
+
+
 def test_a_weight_in_a_wrong_unit_is_named_before_the_next_run_is_made(store: Database, api: Api) -> None:
     first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
     here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
