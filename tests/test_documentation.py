@@ -45,6 +45,14 @@ def test_every_command_that_the_first_steps_show_exists() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_settings_that_a_page_sets_reach_the_command_after_them(page: Path) -> None:
+    """A line of assignments alone sets variables of the shell, which no program sees."""
+    blocks = re.findall(r"```sh\n(.*?)```", page.read_text(), re.DOTALL)
+    alone = [line for block in blocks for line in block.splitlines() if re.fullmatch(r"(RUNDOWN_\w+=\S+\s*)+(#.*)?", line)]
+    assert alone == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_files_that_a_page_names_exist(page: Path) -> None:
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
     names = {Path(one).name for one in listed if one.startswith(("estimator/", "storage/", "formats/", "service/"))}
