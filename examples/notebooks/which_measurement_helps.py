@@ -45,4 +45,6 @@ plotted = plot.set_xlabel("standard errors shrink together by [%]")
 if not SHORT:
     whole = rd.identify(pump, rd.simulate(pump, samples=60))
     name = "coupling.C1.kxx"
-    print(result[name].standard_error, whole[name].standard_error)
+    print(
+        f"standard error of {name}: {result[name].standard_error:.3g} N/m, with all probes {whole[name].standard_error:.3g} N/m"
+    )

@@ -475,6 +475,8 @@ def test_nothing_is_coloured_where_the_terminal_has_no_colours() -> None:
 def test_what_is_there_already_or_no_address_is_said(tmp_path: Path) -> None:
     shutil.copy(PUMP, tmp_path / "pump-12.yaml")
     assert "is there already: name another file" in invoked("init", str(tmp_path / "pump-12.yaml")).stderr
+    nowhere = tmp_path / "nowhere" / "run.csv"
+    assert invoked("sample", str(PUMP), str(nowhere)).stderr == f"rundown: {nowhere}: No such file or directory\n"
     assert "write protocol, host and port, such as tcp://" in invoked("worker", "nowhere").stderr
     assert "there is no file" in invoked("restore", str(tmp_path / "none.db")).stderr
 
