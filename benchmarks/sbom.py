@@ -1,6 +1,7 @@
 """Writes what an installation of the service consists of, as a software bill of materials (CycloneDX): `make sbom`.
 
-The service is installed into a fresh environment from the wheel, whose packages are then listed.
+The service is installed into a fresh environment from the wheel, whose packages are then listed, without those that only
+install others.
 
     python -m benchmarks.sbom [FILE]
 """
@@ -23,6 +24,7 @@ def bill_of_materials(folder: Path) -> dict[str, object]:
     wheel = build_wheel(folder)
     python = make_environment(folder / "service")
     run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", f"{wheel}[service]"])
+    run([python, "-m", "pip", "uninstall", "--quiet", "--yes", "setuptools", "pip"])
     listed = folder / "listed.json"
     about: list[str | Path] = ["--pyproject", ROOT / "pyproject.toml", "--output-file", listed]
     run([Path(sys.executable).with_name("cyclonedx-py"), "environment", *about, python])

@@ -37,6 +37,7 @@ REFERENCES = {
 }
 SEARCH_FROM_FILES = "iframe-worker.js"
 """Script that lets pages opened as files search; mkdocs-material would load it from a server, and search nothing without."""
+STYLE = "site.css"
 NAVIGATION: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "first-steps.md", "python.md"),
     "Tutorials": tuple(f"gallery-{name}.md" for name in NOTEBOOKS),
@@ -94,7 +95,8 @@ def write_source(folder: Path, *, short: bool) -> Path:
     for name, page_of in REFERENCES.items():
         (pages / name).write_text(page_of(), encoding="utf-8")
     write_gallery(pages, short=short)
-    shutil.copy(Path(__file__).with_name(SEARCH_FROM_FILES), pages)
+    for name in (SEARCH_FROM_FILES, STYLE):
+        shutil.copy(Path(__file__).with_name(name), pages)
     configuration = folder / "mkdocs.yml"
     configuration.write_text(_configuration(pages), encoding="utf-8")
     return configuration
@@ -133,6 +135,7 @@ theme:
   name: material
   font: false
   features: [navigation.sections, navigation.indexes, content.code.copy, toc.follow]
+extra_css: [{STYLE}]
 extra:
   polyfills: [{SEARCH_FROM_FILES}]
 plugins:

@@ -83,7 +83,7 @@ def _moved(name: str, rms: float) -> str:
 def _scatter(channel: str, rpm: float | None, rms: float) -> str:
     if rpm is None:
         return f"{channel:<12} in sweeps      {rms:.2g} times the document's noise"
-    return f"{channel:<12} {rpm:8.0f} rpm  {MICROMETRES * rms:.3g} µm"
+    return f"{channel:<12} {rpm:8.0f} r/min  {MICROMETRES * rms:.3g} µm"
 
 
 def _count(number: int, noun: str) -> str:

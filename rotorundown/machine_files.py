@@ -31,6 +31,10 @@ def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
     """
     if isinstance(source, Machine):
         return checked_machine(source)
+    if isinstance(source, str) and "\n" in source:
+        raise WrongMachine("this is the text of a document: give the path of its file, or what yaml.safe_load makes of it")
+    if hasattr(source, "read"):
+        raise WrongMachine(f"a machine is a document's path, not an opened file ({type(source).__name__}): give its path")
     if not isinstance(source, str | Path | Mapping):
         raise WrongMachine(f"a machine is a document's path or its fields by name, not {type(source).__name__}")
     try:

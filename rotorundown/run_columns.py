@@ -27,6 +27,8 @@ def columns_of(source: Any) -> dict[str, Floats]:
 
     Raises WrongRun.
     """
+    if hasattr(source, "read") and not hasattr(source, "keys"):
+        raise WrongRun(f"a run is a file's path, not an opened file ({type(source).__name__}): give its path")
     if not hasattr(source, "keys") or not hasattr(source, "__getitem__") or getattr(source, "ndim", 2) == 1:
         raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}")
     given = list(source.keys())
@@ -80,6 +82,8 @@ def _numbers(name: str, values: Any) -> Floats:
     if name in TIME_COLUMNS and kind in TIME_KINDS:
         moments = np.asarray(values, dtype=TIME_KINDS[kind])
         return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"), dtype=float)
+    if kind == "c":
+        raise WrongRun(f"column '{name}' is complex: give its amplitude and its phase as two columns")
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Collection):
         raise WrongRun(f"column '{name}' is a {type(values).__name__}: give a list of numbers, one a sample")
     blank = values.isna() if hasattr(values, "isna") else [None] * len(values)

@@ -179,8 +179,8 @@ class RunTable(Struct, frozen=True, eq=False):
     def _first(self, names: tuple[str, ...], what: str) -> str:
         found = [name for name in names if name in self.columns]
         if not found:
-            unknown = [one for one in self.columns if not is_known_name(one)]
-            close = dict.fromkeys(one for name in names for one in close_names(name, unknown))
+            unknown = {one.lower(): one for one in self.columns if not is_known_name(one)}
+            close = dict.fromkeys(unknown[one] for name in names for one in close_names(name.lower(), unknown))
             asked = f"; does {' or '.join(map(repr, close))} hold it?" if close else ""
             raise WrongRun(
                 f"no column holds {what}: name it {' or '.join(names)}; there are {_first_names(self.columns)}{asked}"
@@ -244,7 +244,7 @@ def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> N
     """Raise WrongRun for speeds that never enter the machine's range, and would in another unit."""
     limits = machine.speed_range
     if not np.all(np.isfinite(speed)):
-        raise WrongRun(f"the speed has no number in row {int(np.argmin(np.isfinite(speed))) + 1}")
+        raise WrongRun(f"the speed has no number in row {int(np.argmin(np.isfinite(speed))) + 1}: leave such rows out")
     others = [unit for unit in RAD_PER_S if unit != units.speed and _enters(speed, unit, machine)]
     hint = f": are these in {' or '.join(others)}? Say so with speed_unit" if others else ""
     if _enters(speed, units.speed, machine):

@@ -28,7 +28,7 @@ from formats.wire import Rejected, as_sent
 from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_columns import GAP_END, WrongRun
-from rotorundown.run_tables import RunTable, TableUnits, read_csv_table
+from rotorundown.run_tables import UNIT_OPTIONS, RunTable, TableUnits, read_csv_table
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
 
@@ -165,7 +165,7 @@ def read_run(
         raise WrongRun(f"{path} is no recording: name the table of the run, such as a CSV file")
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)
     if sidecar is None and is_plain_table(path):
-        return _run_of_table(read_csv_table(path), path.name, machine, units)
+        return _run_of_plain_file(path, machine, units)
     # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
     from formats.recordings.recorded_runs import read_runs
 
@@ -181,6 +181,17 @@ def read_run(
 def sent_gaps(measurement: Measurement, machine: Machine) -> Floats | None:
     """Return the gaps (S, m) of a measurement as the document says that they grow [µm]; None where it has none."""
     return None if measurement.gaps is None else as_sent(measurement.gaps.place, machine)
+
+
+def _run_of_plain_file(path: Path, machine: Machine, units: TableUnits) -> MachineRun:
+    """Return the run in a table without a sidecar. Raises WrongRun, which names the file and where its units are told."""
+    try:
+        return _run_of_table(read_csv_table(path), path.name, machine, units)
+    except WrongRun as error:
+        where = "" if str(path) in str(error) else f"{path}: "
+        told = any(option in str(error) for option in UNIT_OPTIONS)
+        sidecar = f" (to a command: in a sidecar, {path.with_suffix('.yaml').name})" if told else ""
+        raise WrongRun(f"{where}{error}{sidecar}") from None
 
 
 def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnits) -> MachineRun:

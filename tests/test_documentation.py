@@ -1,11 +1,13 @@
 """The documentation names what exists: settings, quarantine reasons, commands, files."""
 
 import re
+import shlex
 import subprocess
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import pytest
+import typer.main
 from pydantic import SecretStr
 
 from formats.wire import Reason
@@ -37,11 +39,37 @@ def test_every_quarantine_reason_is_documented() -> None:
     assert [reason for reason in get_args(Reason) if f"`{reason}`" not in page] == []
 
 
-def test_every_command_that_the_first_steps_show_exists() -> None:
-    known = {command.name or (command.callback.__name__ if command.callback else "") for command in app.registered_commands}
-    shown = set(re.findall(r"^rundown ([\w-]+)", (ROOT / "docs" / "first-steps.md").read_text(), re.MULTILINE))
-    assert shown
-    assert shown <= known
+def test_the_pages_show_commands() -> None:
+    assert len([one for page in PAGES for one in commands_of(page.read_text())]) > 25
+
+
+def commands_of(text: str) -> list[list[str]]:
+    """The commands `rundown …` in a page's blocks for a shell, each as its words, with 1 for variables."""
+    lines = "\n".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL)).replace("\\\n", " ").splitlines()
+    found = [re.fullmatch(r"(?:\w+=\S+ )*rundown (.*?)(?: [&|>].*)?", line.partition("  #")[0].strip()) for line in lines]
+    return [shlex.split(re.sub(r"\$\w+", "1", one[1]), comments=True) for one in found if one is not None]
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "deploy" / "README.md"], ids=lambda page: page.parent.name + page.name)
+def test_every_command_that_a_page_shows_has_the_options_that_it_shows(page: Path) -> None:
+    text = page.read_text()
+    for words in commands_of(text):
+        command: Any = typer.main.get_command(app)
+        name = "rundown"
+        while hasattr(command, "commands"):
+            assert words[0] in command.commands, f"no command {words[0]}"
+            name, command, words = words[0], command.commands[words[0]], words[1:]
+        command.make_context(name, list(words))  # raises for an option or an argument that is not there
+    named = set(re.findall(r"`rundown ([a-z][a-z-]+)", text))
+    assert sorted(named - typer.main.get_command(app).commands.keys()) == []  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_settings_that_a_page_sets_reach_the_command_after_them(page: Path) -> None:
+    """A line of assignments alone sets variables of the shell, which no program sees."""
+    blocks = re.findall(r"```sh\n(.*?)```", page.read_text(), re.DOTALL)
+    alone = [line for block in blocks for line in block.splitlines() if re.fullmatch(r"(RUNDOWN_\w+=\S+\s*)+(#.*)?", line)]
+    assert alone == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

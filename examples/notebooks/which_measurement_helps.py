@@ -45,4 +45,5 @@ plotted = plot.set_xlabel("standard errors shrink together by [%]")
 if not SHORT:
     whole = rd.identify(pump, rd.simulate(pump, samples=60))
     name = "coupling.C1.kxx"
-    print(result[name].standard_error, whole[name].standard_error)
+    for fitted, probed in ((result, "without probes at the last bearing"), (whole, "with all probes")):
+        print(f"standard error of {name} {probed}: {fitted[name].standard_error:.3g} N/m")

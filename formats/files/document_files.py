@@ -33,7 +33,8 @@ def read_yaml(path: Path) -> Any:
         values = _values_in(content, {}, set())
     except yaml.MarkedYAMLError as error:
         line = "" if error.problem_mark is None else f", line {error.problem_mark.line + 1}"
-        raise UnreadableFile(f"{path}{line} is neither YAML nor JSON: {error.problem}") from error
+        right = ": indent with spaces, not with tabs" if "'\\t'" in str(error.problem) else ""
+        raise UnreadableFile(f"{path}{line} is neither YAML nor JSON: {error.problem}{right}") from error
     except OSError as error:
         raise UnreadableFile(f"{path}: {error.strerror}") from error
     except RecursionError as error:

@@ -146,7 +146,7 @@ def speed_band(text: str) -> tuple[float, float]:
     try:
         lowest, highest = (rpm_to_rad_per_s(float(part)) for part in parts)
     except ValueError:
-        raise ValueError(f"'{text}' is no speed band; one is written as 200:400, in rpm") from None
+        raise ValueError(f"'{text}' is no speed band; one is written as 200:400, in r/min") from None
     if not 0.0 < lowest < highest < math.inf:
         raise ValueError(f"'{text}' is no speed band: it needs two positive speeds, the lower one first")
     return lowest, highest

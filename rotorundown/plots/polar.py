@@ -20,6 +20,8 @@ LABELS_APART = 0.2
 """Least distance of two of them, as a part of the largest amplitude [-]: where little moves they would lie on each other."""
 MOST_ACROSS = 4
 """Most circles side by side."""
+RINGS = 4
+"""Largest number of circles of amplitude: more of their numbers would lie on each other."""
 
 
 def polar(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figure":
@@ -27,6 +29,8 @@ def polar(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figu
     numbers = channel_numbers(result.machine.channels, channels)
     across = min(len(numbers), MOST_ACROSS)
     drawn, axes = figure(ceil(len(numbers) / MOST_ACROSS), across, subplot_kw={"projection": "polar"})
+    from matplotlib.ticker import MaxNLocator
+
     curve = fitted_curve(result)
     for plot, number in zip(axes.flat, numbers, strict=False):
         plot.set_theta_direction(-1)
@@ -36,6 +40,8 @@ def polar(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figu
         plot.plot(-np.angle(vectors), np.abs(vectors), color=FITTED)
         for at in _labelled(vectors):
             plot.annotate(f"{curve.speed_rpm[at]:.0f}", (-np.angle(vectors[at]), abs(vectors[at])), fontsize="x-small")
+        plot.yaxis.set_major_locator(MaxNLocator(RINGS, prune="lower"))
+        plot.tick_params(axis="y", labelsize="x-small")
         plot.set_title(result.machine.channels[number])
     for unused in axes.flat[len(numbers) :]:
         unused.remove()

@@ -46,7 +46,7 @@ def identify_offline(
     ] = None,
     accepted_rpm: Annotated[tuple[float, float] | None, typer.Option(help="the only speeds that count [r/min]")] = None,
     slow_roll: Annotated[
-        str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
+        str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [r/min]")
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -295,7 +295,7 @@ def _compare_alignment(machine: Path, healthy: "Identification", files: list[Pat
 def show_slow_roll(
     machine: MachineFile,
     file: Annotated[Path, typer.Argument(help="recorded run, as for replay", callback=named_file)],
-    band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
+    band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [r/min]")],
     sidecar: OtherSidecar = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -22,7 +22,7 @@ from rotorundown.environment.release import VERSION
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.balancing import balance_machine, trial_weights
 from service.commands.calibration import calibrate
-from service.commands.exit import fail
+from service.commands.exit import fail, words_of
 from service.commands.file_arguments import MachineFile, named_file
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
@@ -236,7 +236,7 @@ def simulate(
             if wait_connected(session, connect, give_up=stop.wait):
                 run_simulation(session, parsed, plan, truth, stop)
     except (UnreadableFile, StreamUnusable, ValueError, OSError) as error:
-        fail(str(error))
+        fail(words_of(error))
 
 
 @app.command()
@@ -357,7 +357,7 @@ def sample(
             weights=on,
         )
     except (UnreadableFile, ValueError, OSError) as error:
-        fail(str(error))
+        fail(words_of(error))
     if as_json:
         said = {disc: {"amount_g_mm": amount, "angle_deg": angle} for disc, (amount, angle) in on.items()}
         told = {"machine": described.id, "scenario": scenario, "file": file, "samples": len(run)}

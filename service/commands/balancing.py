@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from estimator.balancing.criterion import Criterion
-from service.commands.exit import fail
+from service.commands.exit import fail, words_of
 from service.commands.file_arguments import MachineFile, named_file, named_files
 from service.commands.find_language import find_language
 from service.commands.json_output import JsonOption, print_json
@@ -90,7 +90,7 @@ def balance_machine(
         if page is not None:
             page.write_text(printed_page(found, checked, language, scale), encoding="utf-8")
     except (UnreadableFile, Rejected, ValueError, OSError) as error:
-        fail(str(error))
+        fail(words_of(error))
     if checked is not None and not all(one.held for one in effect_rows(found, checked) if one.held is not None):
         raise typer.Exit(1)
 

@@ -14,3 +14,10 @@ def fail(message: str) -> NoReturn:
         print_json({"error": message})
     print_text(f"rundown: {message}", err=True)
     raise typer.Exit(1)
+
+
+def words_of(error: Exception) -> str:
+    """Return what an error says, of files without the system's number of it."""
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from service.commands.exit import fail
+from service.commands.exit import fail, words_of
 from service.commands.find_language import find_language
 from service.commands.json_output import JsonOption, print_json
 from service.commands.storage import DatabaseUrl, database_url
@@ -62,7 +62,7 @@ def report(
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")
     except (PrinterMissing, OSError) as error:
-        fail(str(error))
+        fail(words_of(error))
     finally:
         opened.close()
     size = output.stat().st_size

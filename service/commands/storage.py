@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from service.commands.exit import fail
+from service.commands.exit import fail, words_of
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
 from service.configuration.settings import SettingsWrong, settings_of
@@ -139,7 +139,7 @@ def export(
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")
     except (ParquetMissing, OSError) as error:
-        fail(str(error))
+        fail(words_of(error))
     finally:
         opened.close()
 

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from ipaddress import ip_address, ip_network
 from pathlib import Path
@@ -21,6 +22,7 @@ from grafana_foundation_sdk.cog.encoder import JSONEncoder
 from grafana_foundation_sdk.cog.plugins import register_default_plugins
 from grafana_foundation_sdk.models.dashboard import Dashboard
 
+from rotorundown.environment.release import VERSION
 from service.commands.app import app
 from service.configuration.settings import Settings
 from service.configuration.settings_file import VARIABLE
@@ -37,6 +39,12 @@ COMPOSE = DEPLOY / "compose" / "compose.yaml"
 KUBERNETES = DEPLOY / "kubernetes" / "rundown.yaml"
 DASHBOARD = ROOT / "examples" / "monitoring" / "grafana-dashboard.json"
 RULES = ROOT / "examples" / "monitoring" / "rundown-rules.yml"
+SERVICE_FIELDS = {
+    *("build", "cap_add", "cap_drop", "command", "configs", "depends_on", "entrypoint", "environment", "env_file", "expose"),
+    *("healthcheck", "image", "networks", "ports", "read_only", "restart", "secrets", "security_opt", "stop_grace_period"),
+    *("stop_signal", "tmpfs", "user", "volumes", "working_dir"),
+}
+"""Fields of a service as the Compose Specification has them, those that a deployment may want."""
 
 
 def compose() -> dict[str, Any]:
@@ -106,6 +114,32 @@ def test_containers_get_what_the_image_gives() -> None:
     for path in re.findall(r"^COPY (?!--from)(.*) \S+$", image, re.MULTILINE):
         for name in path.split():
             assert (ROOT / name).exists(), name
+
+
+def test_the_image_has_what_settings_ask_for_and_is_of_this_release() -> None:
+    """A broker, an OPC UA server or traces are turned on by settings: a container cannot install anything for them."""
+    image = (DEPLOY / "Containerfile").read_text()
+    (installed,) = re.findall(r"'\.\[(.*)\]'", image)
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert (
+        {"service", "postgresql", "report", "mqtt", "opcua", "telemetry", "dask"} <= set(installed.split(",")) <= set(extras)
+    )
+    release = VERSION.rpartition(".")[0]
+    for file in (COMPOSE, KUBERNETES):
+        assert set(re.findall(r"image: rundown:(\S+)", file.read_text())) == {release}, file.name
+
+
+def test_compose_knows_every_field() -> None:
+    """A misspelt one is refused by some versions of compose, and passed over by others."""
+    whole = compose()
+    parts = {one for one in whole if not one.startswith("x-")}
+    assert parts <= {"name", "services", "networks", "volumes", "secrets", "configs"}
+    fields = {name: set(service) - SERVICE_FIELDS for name, service in whole["services"].items()}
+    assert {name: unknown for name, unknown in fields.items() if unknown} == {}
+    for name, service in whole["services"].items():
+        assert set(service.get("depends_on", ())) <= set(whole["services"]), name
+        assert set(service.get("networks", ())) <= set(whole["networks"]), name
+        assert set(service.get("configs", ())) <= set(whole["configs"]), name
 
 
 def test_compose_holds_together() -> None:

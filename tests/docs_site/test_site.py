@@ -179,6 +179,14 @@ def test_the_site_builds(site: Path) -> None:
 
 
 @pytest.mark.long
+def test_a_wide_equation_is_moved_by_itself(site: Path) -> None:
+    page = (site / "method-model.html").read_text(encoding="utf-8")
+    assert 'href="site.css"' in page
+    assert '<div class="equation">' in page
+    assert re.search(r"\.equation \{\s*overflow-x: auto", (site / "site.css").read_text(encoding="utf-8"))
+
+
+@pytest.mark.long
 def test_it_is_searched_as_files_and_asks_nobody(site: Path) -> None:
     program = installed()
     if program is None:

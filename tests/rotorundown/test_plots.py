@@ -47,6 +47,7 @@ def test_polar_plots_stand_in_rows_and_their_speeds_apart(result: rd.Result) -> 
     assert [one.get_title() for one in figure.axes] == ["B1L", "B1R", "B2L", "B2R", "B3L"]
     assert figure.get_figheight() == pytest.approx(6.0)
     for plot in figure.axes:
+        assert 2 <= len(plot.get_yticks()) <= 4
         angle, size = (
             np.asarray(one) for one in zip(*[one.xy for one in plot.texts if isinstance(one, Annotation)], strict=True)
         )

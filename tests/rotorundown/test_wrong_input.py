@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections.abc import Callable
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -139,6 +140,27 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         "is no text in UTF-8: save it as CSV in UTF-8",
     ),
     "an array": (lambda frame, _: frame.to_numpy(), {}, "a data frame or a mapping of columns, not ndarray"),
+    "an opened file": (lambda _f, _: StringIO(), {}, "a run is a file's path, not an opened file (StringIO): give its path"),
+    "complex numbers": (
+        lambda frame, _: {"speed_rpm": frame["speed_rpm"], "B1L_amplitude": 1e-6j * np.ones(len(frame))},
+        {},
+        "column 'B1L_amplitude' is complex: give its amplitude and its phase as two columns",
+    ),
+    "a row without numbers": (
+        lambda frame, _: frame.drop(index=2).reindex(range(len(frame))),
+        {},
+        "the speed has no number in row 3: leave such rows out",
+    ),
+    "units in names": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [RPM]"}),
+        {},
+        "name it speed or speed_rpm or rpm; there are Speed [RPM]",
+    ),
+    "a speed under another name": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [RPM]"}),
+        {},
+        "does 'Speed [RPM]' hold it?",
+    ),
     "one column alone": (lambda frame, _: frame["speed_rpm"], {}, "a data frame or a mapping of columns, not Series"),
     "numbers for columns": (lambda _f, _: {"speed_rpm": 1.0}, {}, "column 'speed_rpm' is a float: give a list of numbers"),
     "truth values": (lambda frame, _: frame.assign(B1L_um_pp=True), {}, "column 'B1L_um_pp', row 1: 'True' is not a number"),
@@ -277,6 +299,18 @@ def test_a_decimal_comma_in_a_document_is_named(pump: Machine) -> None:
 
 def test_what_is_no_machine_is_one_line(tmp_path: Path) -> None:
     wrong: Any
+    for wrong, words in (
+        (PUMP.read_text(), "this is the text of a document: give the path of its file"),
+        (StringIO(), "not an opened file (StringIO): give its path"),
+    ):
+        with pytest.raises(WrongMachine, match=re.escape(words)) as raised:
+            rd.read_machine(wrong)
+        one_line(raised)
+    (tmp_path / "tabs.yaml").write_text("id: pump\n\tplant: plant-1\n")
+    with pytest.raises(
+        WrongMachine, match=r"tabs.yaml, line 2 is neither YAML nor JSON: .* indent with spaces, not with tabs"
+    ):
+        rd.read_machine(tmp_path / "tabs.yaml")
     for wrong in (None, [1]):
         with pytest.raises(WrongMachine, match="a document's path or its fields by name, not") as raised:
             rd.read_machine(wrong)
@@ -397,8 +431,10 @@ def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path
     ended = invoked("identify", str(PUMP), written(tmp_path / "run.csv", change(run.to_frame())))
     assert ended.exit_code == 1
     (line,) = ended.stderr.splitlines()
-    assert line.startswith("rundown: ")
+    assert line.startswith(f"rundown: {tmp_path / 'run.csv'}")
     assert words in line
+    # A command has no option for units.
+    assert line.endswith("(to a command: in a sidecar, run.yaml)") is ("_unit" in line)
 
 
 def test_small_phases_of_a_single_channel_are_degrees_where_somebody_says_so(run: rd.MachineRun, pump: Machine) -> None:
@@ -439,6 +475,8 @@ def test_nothing_is_coloured_where_the_terminal_has_no_colours() -> None:
 def test_what_is_there_already_or_no_address_is_said(tmp_path: Path) -> None:
     shutil.copy(PUMP, tmp_path / "pump-12.yaml")
     assert "is there already: name another file" in invoked("init", str(tmp_path / "pump-12.yaml")).stderr
+    nowhere = tmp_path / "nowhere" / "run.csv"
+    assert invoked("sample", str(PUMP), str(nowhere)).stderr == f"rundown: {nowhere}: No such file or directory\n"
     assert "write protocol, host and port, such as tcp://" in invoked("worker", "nowhere").stderr
     assert "there is no file" in invoked("restore", str(tmp_path / "none.db")).stderr
 

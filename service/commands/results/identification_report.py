@@ -48,7 +48,7 @@ def identification_text(result: Identification) -> str:
     lines = [
         verdict_text(result),
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
-        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start{'' if result.starts == 1 else 's'}, "
+        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} r/min; {result.starts} start{'' if result.starts == 1 else 's'}, "
         f"{result.iterations} iterations; condition number {result.condition_number:.2g}",
         *(("",) if result.accepted else ("", REFUSED_VALUES)),
     ]
@@ -144,7 +144,7 @@ def comparison_text(comparison: ModelComparison) -> str:
 
 def slow_roll_text(machine: Machine, found: Capture) -> str:
     """Return the vectors of a capture, a line per channel, with the reasons of channels without one."""
-    speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} rpm"
+    speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} r/min"
     lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
     width = max(map(len, machine.channels))
     scale = METRES["um"] * PEAK["peak-to-peak"]
