@@ -32,6 +32,8 @@ VISCOSITIES = ("viscosity", "viscosity_factor")
 """Numbers of films that follow the oil's temperature."""
 KNOWN_RUNS = 10
 """Weight of the stated values, as a number of runs."""
+KNOWN_COMPONENTS = 1
+"""Weight of the stated values of what is `ALIKE`, as a number of components of single runs: a baseline has dozens."""
 ALIKE = ("unbalance",)
 """Numbers whose quantities vary alike and are seen in each run, so that each component of one run counts as a run: stiffness
 and damping of films, couplings and pedestals are not, and what a baseline shows of all says little of each."""
@@ -189,7 +191,7 @@ def _shrunk(
         own = np.array([one == number and size > 0.0 for one, size in zip(numbers, sizes, strict=True)])
         before = getattr(stated, number)
         if own.any() and before > 0.0:
-            known = KNOWN_RUNS * (1.0 if number in ALIKE else float(np.count_nonzero(own)))
+            known = float(KNOWN_COMPONENTS if number in ALIKE else KNOWN_RUNS * np.count_nonzero(own))
             shown, count = float(np.sum(squares[own] / sizes[own] ** 2)), float(np.sum(told[own]))
             update[number] = float(np.sqrt((known * before**2 + shown) / (known + count)))
     return stated.model_copy(update=update)

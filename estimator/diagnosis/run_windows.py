@@ -25,6 +25,9 @@ from estimator.machine.parameter_description import describe
 
 LONGEST = 3
 """Length of the longest window over the number of runs that must agree."""
+OTHER_RUNS, OTHER_PART = 1.0, 0.2
+"""Least that a window's runs without the one that speaks most must say together for a cause [-], and as a part of what that
+one says [-], where that is less than strong by itself: one odd run is no change."""
 GONE = 0.3
 """Part of the evidence it took to report a cause, below which the cause is gone [-]."""
 Delay = Callable[[str, str], int]
@@ -84,8 +87,7 @@ class RunWindows:
             found = self._diagnosis(after[-length:])
             agreed = {}
             for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
-                needed = on_delay(cause.kind, cause.element)
-                if needed <= length and min(cause.agreement[-needed:]) > 0.0:
+                if runs_agree(cause, needed=on_delay(cause.kind, cause.element)):
                     agreed[cause.kind, cause.element] = cause, runners_up
             if not all(key in agreed and min(agreed[key][0].agreement) > 0.0 for key in causes):
                 break
@@ -181,6 +183,24 @@ class RunWindows:
                 yield _data_cause(kind, fault)
             for fault in () if kind.fit_fault is None else kind.fit_fault(window, channels):
                 yield _data_cause(kind, fault)
+
+
+def runs_agree(cause: Cause, *, needed: int) -> bool:
+    """Check whether the newest runs of a window agree on a cause, and it does not rest on one odd run alone.
+
+    Args:
+        cause: The cause, with what each run of the window says for it.
+        needed: How many of the newest runs must each speak for it.
+
+    Returns:
+        Whether they do. Faults of the data are seen in each run by itself, so that one may say most.
+    """
+    if len(cause.agreement) < needed or min(cause.agreement[-needed:]) <= 0.0:
+        return False
+    if not cause.names or needed == 1:
+        return True
+    most = max(cause.agreement)
+    return math.fsum(cause.agreement) - most >= min(STRONG, max(OTHER_RUNS, OTHER_PART * most))
 
 
 def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:

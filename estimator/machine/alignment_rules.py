@@ -91,7 +91,7 @@ class HealthyVariation(Part):
     """Variation of a healthy machine on oil films, as standard deviations.
 
     Those from run to run are learnt from the baseline, from these on, which count as much as ten runs; that of unbalances as
-    much as ten components of one run.
+    much as one component of one run, as each run shows all of them.
     """
 
     stiffness: Spread = Field(default=0.01, description="of each stiffness from run to run, relative [-]")

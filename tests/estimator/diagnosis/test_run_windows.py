@@ -3,10 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from estimator.diagnosis.data_faults import fits
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation
+from estimator.diagnosis.run_windows import runs_agree
 from estimator.diagnosis.severity_measures import change_form, change_size
 from tests.estimator.diagnosis import watched_machine as plant
 
@@ -28,6 +30,29 @@ def test_as_many_runs_as_the_delay_must_agree() -> None:
     assert said((*quiet, *changed[:2]), on_delay=3) == set()
     assert said((*quiet, *changed), on_delay=3) == {MISALIGNED}
     assert said((quiet[0], changed[0], quiet[1])) == set()
+
+
+@pytest.mark.parametrize(
+    ("agreement", "agreed"),
+    [
+        ((2.0, 2.5), True),
+        ((0.4, 11.1), False),  # a healthy machine's, of which one fit ended elsewhere
+        ((1.0, 11.6), False),
+        ((-0.5, 0.4, 11.1), False),
+        ((-3.0, 0.1, 3.2), False),
+        ((2.4, 4.2, 1.7), True),
+        ((1.5, -0.1), False),
+        ((6.0, 70.0), True),  # strong by itself, and growing
+    ],
+)
+def test_one_odd_run_beside_others_that_say_next_to_nothing_is_no_change(agreement: tuple[float, ...], agreed: bool) -> None:
+    cause = plant.cause_with(agreement, names=("coupling.C1.kxx",))
+    assert runs_agree(cause, needed=2) is agreed
+
+
+def test_a_fault_of_the_data_is_seen_in_each_run_by_itself() -> None:
+    assert runs_agree(plant.cause_with((0.4, 11.1), names=()), needed=2)
+    assert runs_agree(plant.cause_with((4.5,), names=("coupling.C1.kxx",)), needed=1)
 
 
 def test_it_began_with_the_first_run_that_shows_it() -> None:

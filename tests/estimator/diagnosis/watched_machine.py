@@ -9,6 +9,7 @@ import numpy as np
 import yaml
 
 from estimator.arrays import Complexes
+from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import Observation, observation_of
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.fit.identification import Identification, Options
@@ -129,3 +130,9 @@ def scattered(part: float) -> Edit:
 def delay(runs: int) -> Any:
     """The same delay for every cause."""
     return lambda _kind, _element: runs
+
+
+def cause_with(agreement: tuple[float, ...], *, names: tuple[str, ...]) -> Cause:
+    """A cause of which each run of a window says so much."""
+    change, covariance = np.full(len(names), 0.1), 1e-4 * np.eye(len(names))
+    return Cause("coupling", "coupling.C1", sum(agreement), names, change, covariance, 4.0, agreement)
