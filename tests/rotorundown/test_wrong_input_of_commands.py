@@ -21,7 +21,7 @@ def invoked(*arguments: str, **environment: str) -> Any:
 def test_a_command_reads_a_table_as_the_library_does_and_says_its_units(run: rd.MachineRun, tmp_path: Path) -> None:
     ended = invoked("identify", str(PUMP), written(tmp_path / "plain.csv", run.to_frame()))
     assert ended.exit_code == 0, ended.output
-    assert "plain.csv: read as rpm, um peak-to-peak, phase lag in deg" in ended.stderr
+    assert "plain.csv: read as r/min, µm peak-to-peak, phase lag in degrees" in ended.stderr
     assert "accepted: χ²/dof" in ended.stdout
 
 

@@ -32,6 +32,21 @@ UNITS: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         {"speed_unit": "rad/s"},
         "most speeds lie far beyond the range of 'motor-pump' when read in rad/s: are these in rpm? Say so with speed_unit",
     ),
+    "speeds of a shaft that turns the other way": (
+        lambda frame, _: frame.assign(speed_rpm=-frame["speed_rpm"]),
+        {},
+        "all speeds are below zero: write them positive, the document says which way it turns (rotation: positive)",
+    ),
+    "decibels": (
+        lambda frame, _: frame.assign(B1R_um_pp=20 * np.log10(frame["B1R_um_pp"] / 1e3)),
+        {},
+        "the amplitudes of B1R are below zero, such as -",
+    ),
+    "one component of vectors": (
+        lambda frame, _: frame.assign(B2L_um_pp=frame["B2L_um_pp"] * np.cos(np.radians(frame["B2L_lag_deg"]))),
+        {},
+        "write amplitudes with phases, not decibels or one component of the vector",
+    ),
     "metres": (
         lambda frame, _: frame.apply(lambda one: one * 1e-6 if one.name.endswith("_um_pp") else one),
         {},
