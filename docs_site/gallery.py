@@ -5,9 +5,11 @@ import contextlib
 import io
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+
+from docs_site.watched_year import watched_year
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "examples" / "notebooks"
@@ -21,7 +23,7 @@ NOTEBOOKS = (
 )
 """In the order in which one reads them."""
 WITH_A_SERVICE = {"alignment_over_a_year"}
-"""Notebooks that ask a running service; without one (RUNDOWN_URL) they are shown, not run."""
+"""Notebooks that ask a running service: that of RUNDOWN_URL, or else one that runs while the gallery is made."""
 
 
 def write_gallery(pages: Path, *, short: bool) -> None:
@@ -31,10 +33,24 @@ def write_gallery(pages: Path, *, short: bool) -> None:
     matplotlib.use("Agg")
     if short:
         os.environ["RUNDOWN_SHORT"] = "1"  # of this process, which only builds the site
-    with contextlib.chdir(ROOT):
-        for name in NOTEBOOKS:
-            text = "\n".join(_page(name, pages, run=name not in WITH_A_SERVICE or "RUNDOWN_URL" in os.environ))
+    with contextlib.chdir(ROOT), _service() as service_url:
+        for name in sorted(NOTEBOOKS, key=WITH_A_SERVICE.__contains__):  # what a service needs time for comes last
+            if name in WITH_A_SERVICE:
+                os.environ["RUNDOWN_URL"] = service_url()
+            text = "\n".join(_page(name, pages))
             (pages / f"gallery-{name}.md").write_text(text + "\n", encoding="utf-8")
+
+
+@contextlib.contextmanager
+def _service() -> Iterator[Callable[[], str]]:
+    """Yield what waits for the service that notebooks ask, and returns its URL; none is started where none is asked."""
+    given = os.environ.get("RUNDOWN_URL")
+    if given or WITH_A_SERVICE.isdisjoint(NOTEBOOKS):
+        yield lambda: given or ""
+        return
+    with watched_year() as url:
+        yield url
+    del os.environ["RUNDOWN_URL"]  # it serves no longer
 
 
 def cells(text: str) -> Iterator[tuple[bool, str]]:
@@ -47,7 +63,7 @@ def cells(text: str) -> Iterator[tuple[bool, str]]:
             yield False, body.strip()
 
 
-def _page(name: str, pages: Path, *, run: bool) -> Iterator[str]:
+def _page(name: str, pages: Path) -> Iterator[str]:
     names: dict[str, Any] = {"__name__": name}
     number = 0
     for written, content in cells((FOLDER / f"{name}.py").read_text(encoding="utf-8")):
@@ -55,8 +71,6 @@ def _page(name: str, pages: Path, *, run: bool) -> Iterator[str]:
             yield f"{content}\n"
             continue
         yield f"```python\n{content}\n```\n"
-        if not run:
-            continue
         shown = _run(content, names)
         if shown:
             yield f"```text\n{shown}\n```\n"
@@ -65,8 +79,6 @@ def _page(name: str, pages: Path, *, run: bool) -> Iterator[str]:
             file = f"gallery-{name}-{number}.svg"
             figure.savefig(pages / file)
             yield f"![figure {number} of this notebook]({file})\n"
-    if not run:
-        yield "This page was built without a running service: its results are not shown."
     yield f"The notebook: `examples/notebooks/{name}.py`."
 
 

@@ -12,6 +12,7 @@ from msgspec import Struct
 from estimator.arrays import Floats
 from estimator.close_matches import close_names, did_you_mean
 from estimator.machine.document import Machine
+from estimator.machine.speed_units import NAMES
 from estimator.units import (
     METRES,
     RAD_PER_S,
@@ -58,6 +59,8 @@ WIDE_PHASES_DEG = 90.0
 """Spread of the phases of other channels [°] beside which one within a turn in radians is doubted."""
 SMALLEST_AMPLITUDE, LIKELY_AMPLITUDE = 1e-9, 1e-7
 """Largest amplitude of a run below which its unit is wrong, and from which on another may be right [m]."""
+MOST_NEGATIVE = 0.25
+"""Largest share of amplitudes below zero that single bad values may be [-]: a component of a vector has more."""
 FEWEST_BELOW_OVERSPEED = 0.5
 """Share of the speeds within the machine's range or somewhat above it below which another unit is likely [-]."""
 
@@ -82,7 +85,9 @@ class TableUnits(Struct, frozen=True):
     @property
     def words(self) -> str:
         """Return the units in words."""
-        return f"{self.speed}, {self.amplitude} {self.kind}, phase {self.convention} in {self.phase}"
+        amplitude = "µm" if self.amplitude == "um" else self.amplitude
+        phase = {"deg": "degrees", "rad": "radians"}[self.phase]
+        return f"{NAMES[self.speed]}, {amplitude} {self.kind}, phase {self.convention} in {phase}"
 
 
 class RunTable(Struct, frozen=True, eq=False):
@@ -116,6 +121,7 @@ class RunTable(Struct, frozen=True, eq=False):
             )
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
+        _require_positive(channels, amplitude)
         _require_amplitude_unit(amplitude, units.amplitude)
         doubts = _phase_doubts(phase, units)
         gap = self._gaps(channels)
@@ -245,12 +251,17 @@ def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> N
     limits = machine.speed_range
     if not np.all(np.isfinite(speed)):
         raise WrongRun(f"the speed has no number in row {int(np.argmin(np.isfinite(speed))) + 1}: leave such rows out")
+    if np.all(speed < 0.0):
+        raise WrongRun(
+            "all speeds are below zero: write them positive, the document says which way it turns "
+            f"(rotation: {machine.rotation})"
+        )
     others = [unit for unit in RAD_PER_S if unit != units.speed and _enters(speed, unit, machine)]
     hint = f": are these in {' or '.join(others)}? Say so with speed_unit" if others else ""
     if _enters(speed, units.speed, machine):
         slow = [_share_below_overspeed(speed, unit, machine) for unit in (units.speed, *others)]
         if slow[0] < FEWEST_BELOW_OVERSPEED and max(slow) == 1.0:
-            raise WrongRun(f"most speeds lie far beyond the range of '{machine.id}' when read in {units.speed}{hint}")
+            raise WrongRun(f"most speeds lie far beyond the range of '{machine.id}' when read in {NAMES[units.speed]}{hint}")
         return
     highest = rad_per_s_to_rpm(float(np.max(np.abs(speed))) * RAD_PER_S[units.speed])
     raise WrongRun(
@@ -267,6 +278,17 @@ def _enters(speed: Floats, unit: SpeedUnit, machine: Machine) -> bool:
 def _share_below_overspeed(speed: Floats, unit: SpeedUnit, machine: Machine) -> float:
     rpm = np.abs(speed) * RAD_PER_S[unit] / RAD_PER_S["rpm"]
     return float(np.mean(rpm <= OVERSPEED * machine.speed_range.maximum_rpm))
+
+
+def _require_positive(channels: Sequence[str], amplitude: Floats) -> None:
+    """Raise WrongRun for a channel most of whose amplitudes (S, m) are below zero: decibels, or a component of the vector."""
+    for channel, column in zip(channels, amplitude.T, strict=True):
+        known = column[np.isfinite(column)]
+        if np.count_nonzero(known < 0.0) > MOST_NEGATIVE * known.size:
+            raise WrongRun(
+                f"the amplitudes of {channel} are below zero, such as {known[known < 0.0][0]:.3g}: write amplitudes with "
+                "phases, not decibels or one component of the vector"
+            )
 
 
 def _require_amplitude_unit(amplitude: Floats, unit: AmplitudeUnit) -> None:

@@ -1,6 +1,6 @@
 """Identification from coast-downs that are integrated in time, with and without the quality gate.
 
-The train of Chapter 3 of the thesis with all damping coefficients halved, which gives the modes that a run-down from 5900 rpm
+The train of Chapter 3 of the thesis with all damping coefficients halved, which gives the modes that a run-down from 5900
 crosses damping ratios of 1 to 10 % (printed). It coasts down at a constant rate, slow, medium and fast; nothing is in a
 steady state. The waveforms at its bearings, 1 kHz, go through keyphasor and order tracking in blocks of half a second; each
 run adds 1 % of circular complex noise to the phasors and starts from a document whose coefficients are wrong by 10 % and
@@ -58,7 +58,7 @@ BLOCK_S = 0.5
 SAMPLES = 300
 """Phasors that a run keeps, evenly over its time: as many as there are blocks at most."""
 STEP_S = 0.002
-"""Time step of the integration at 20 rpm/s; it scales with the root of the rate."""
+"""Time step of the integration at 20 r/min per s; it scales with the root of the rate."""
 TIMED_SAMPLES = 150
 NOISE = 0.01
 COEFFICIENT_SPREAD, UNBALANCE_SPREAD = 0.1, 0.2
@@ -181,7 +181,7 @@ def compared(true: Document, rate: float, runs: int, from_rpm: float = FROM_RPM)
             lost += 1
         else:
             rows["gate"].append(score(gated.identification, true))
-    print(f"\n{true['id']}, {rate:g} rpm/s, {run.time.size} samples of {run.phasor.shape[1]} channels, {runs} runs:")
+    print(f"\n{true['id']}, {rate:g} r/min per s, {run.time.size} samples of {run.phasor.shape[1]} channels, {runs} runs:")
     for name, scores in rows.items():
         covered = 100.0 * sum(one.held for one in scores) / max(1, sum(one.intervals for one in scores))
         asked = "  (asked: 90 or more)" if name == "gate" else ""
@@ -227,7 +227,7 @@ def timed(true: Document, rate: float) -> None:
         "sweep predicted by a model": lambda: sweep_transient(model, time=run.time, speed=run.speed),
         "all, with its fits": lambda: identify_gated(machine, [noisy], [measurement], options=options),
     }
-    print(f"\ntimes at {rate:g} rpm/s, {run.time.size} samples of 8 channels, median of 7, CPU [ms]:")
+    print(f"\ntimes at {rate:g} r/min per s, {run.time.size} samples of 8 channels, median of 7, CPU [ms]:")
     for name, work in parts.items():
         taken = []
         for _ in range(7):
@@ -242,7 +242,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.estimator.coast_down", description=__doc__.split("\n", 1)[0])
     parser.add_argument("--runs", type=int, default=RUNS)
     parser.add_argument("--steady", type=int, default=60, help="steady-state runs of each machine")
-    parser.add_argument("--rates", type=float, nargs="*", default=list(RATES_RPM_PER_S), help="[rpm/s]")
+    parser.add_argument("--rates", type=float, nargs="*", default=list(RATES_RPM_PER_S), help="[r/min per s]")
     asked = parser.parse_args(arguments)
     with threadpool_limits(1):
         true = true_document()

@@ -64,7 +64,8 @@ ASKED_CLAIM = (0.7, 1.5)
 class ProbeSignal:
     """A simulated probe signal. Amplitudes are parts of the 1× amplitude, which grows as the square of the speed.
 
-    rpm: at the middle of the record. ramp: [rpm/s]. snr: signal-to-noise ratio of the 1× against white noise [dB]. second: 2×.
+    rpm: at the middle of the record. ramp: [r/min per s]. snr: signal-to-noise ratio of the 1× against white noise [dB].
+    second: 2×.
     hum: at hum_frequency [Hz]. step: step of the converter. probe_rate, keyphasor_rate: [Hz]. flank: flank of the keyphasor,
     part of a turn.
     """
@@ -87,23 +88,25 @@ class ProbeSignal:
         return 0.0 if self.snr is None else math.sqrt(0.5) * math.pow(10.0, -self.snr / 20.0)
 
 
-NOISE = ProbeSignal("noise 26 dB, 3000 rpm", snr=26.0)
-RAMP = ProbeSignal("ramp 100 rpm/s, no noise", ramp=100.0)
-STEEP = ProbeSignal("26 dB, 2963.7 rpm, steep keyphasor at 1 kHz", rpm=2963.7, snr=26.0, keyphasor_rate=PROBE_RATE, flank=1e-6)
+NOISE = ProbeSignal("noise 26 dB, 3000 r/min", snr=26.0)
+RAMP = ProbeSignal("ramp 100 r/min per s, no noise", ramp=100.0)
+STEEP = ProbeSignal(
+    "26 dB, 2963.7 r/min, steep keyphasor at 1 kHz", rpm=2963.7, snr=26.0, keyphasor_rate=PROBE_RATE, flank=1e-6
+)
 CASES = (
-    ProbeSignal("nothing but 1×, 3000 rpm"),
+    ProbeSignal("nothing but 1×, 3000 r/min"),
     NOISE,
-    ProbeSignal("noise 26 dB, 2963.7 rpm (off the grid)", rpm=2963.7, snr=26.0),
+    ProbeSignal("noise 26 dB, 2963.7 r/min (off the grid)", rpm=2963.7, snr=26.0),
     STEEP,
-    ProbeSignal("26 dB, 2963.7 rpm, probe at 25.6 kHz", rpm=2963.7, snr=26.0, probe_rate=KEYPHASOR_RATE),
+    ProbeSignal("26 dB, 2963.7 r/min, probe at 25.6 kHz", rpm=2963.7, snr=26.0, probe_rate=KEYPHASOR_RATE),
     RAMP,
-    ProbeSignal("ramp 100 rpm/s, noise 26 dB", ramp=100.0, snr=26.0),
-    ProbeSignal("2× of 50 %, 2963.7 rpm", rpm=2963.7, second=0.5),
-    ProbeSignal("50 Hz hum of 10 %, 2963.7 rpm (0.6 Hz off)", rpm=2963.7, hum=0.1),
-    ProbeSignal("50 Hz hum of 10 %, 2850.3 rpm (2.5 Hz off)", rpm=2850.3, hum=0.1),
-    ProbeSignal("50 Hz hum of 10 %, 26 dB, 2909.7 rpm (1.5 Hz off)", rpm=2909.7, hum=0.1, snr=26.0),
-    ProbeSignal("50 Hz hum of 10 %, 26 dB, 2520.3 rpm (8 Hz off)", rpm=2520.3, hum=0.1, snr=26.0),
-    ProbeSignal("steps of a tenth, 2963.7 rpm", rpm=2963.7, step=0.1),
+    ProbeSignal("ramp 100 r/min per s, noise 26 dB", ramp=100.0, snr=26.0),
+    ProbeSignal("2× of 50 %, 2963.7 r/min", rpm=2963.7, second=0.5),
+    ProbeSignal("50 Hz hum of 10 %, 2963.7 r/min (0.6 Hz off)", rpm=2963.7, hum=0.1),
+    ProbeSignal("50 Hz hum of 10 %, 2850.3 r/min (2.5 Hz off)", rpm=2850.3, hum=0.1),
+    ProbeSignal("50 Hz hum of 10 %, 26 dB, 2909.7 r/min (1.5 Hz off)", rpm=2909.7, hum=0.1, snr=26.0),
+    ProbeSignal("50 Hz hum of 10 %, 26 dB, 2520.3 r/min (8 Hz off)", rpm=2520.3, hum=0.1, snr=26.0),
+    ProbeSignal("steps of a tenth, 2963.7 r/min", rpm=2963.7, step=0.1),
     ProbeSignal("all at once: ramp, 26 dB, 2×, hum, steps", rpm=2850.3, ramp=100.0, snr=26.0, second=0.5, hum=0.1, step=0.1),
 )
 
@@ -290,11 +293,11 @@ def report(runs: int) -> str:
         _figure("26 dB: rms error over the Cramér-Rao bound", f"≤ {ASKED_OVER_BOUND:g}", f"{noise.own.rms / noise.bound:.3f}"),
         _figure("26 dB: times smaller than peak picking", f"≥ {ASKED_BETTER:g}", f"{noise.thesis.rms / noise.own.rms:.1f}"),
         _figure(
-            "100 rpm/s at 3000 rpm: bias of the amplitude",
+            "100 r/min per s at 3000 r/min: bias of the amplitude",
             f"< {ASKED_AMPLITUDE:g} %",
             f"{abs(ramp.own.amplitude_percent):.4f} %",
         ),
-        _figure("100 rpm/s at 3000 rpm: bias of the phase", f"< {ASKED_PHASE:g}°", f"{abs(ramp.own.phase_deg):.4f}°"),
+        _figure("100 r/min per s at 3000 r/min: bias of the phase", f"< {ASKED_PHASE:g}°", f"{abs(ramp.own.phase_deg):.4f}°"),
         _figure("claimed over true rms error, smallest of all cases", f"≥ {ASKED_CLAIM[0]:g}", f"{min(claims):.2f}"),
         _figure("claimed over true rms error, largest of all cases", f"≤ {ASKED_CLAIM[1]:g}", f"{max(claims):.2f}"),
         _figure("the same without the steep keyphasor at 1 kHz", f"≤ {ASKED_CLAIM[1]:g}", f"{max(others):.2f}"),

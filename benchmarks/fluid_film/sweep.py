@@ -38,7 +38,10 @@ def sweep(_: int) -> list[ReportLine]:
         clear = np.abs(true) > CLEAR * np.abs(record.steady)
         wrong = float(np.sqrt(np.sum(np.abs(predicted - true) ** 2) / np.sum(np.abs(true) ** 2)))
         size = f"{100 * wrong:.1f} % in {took:.2f} s"
-        what = f"sweep correction at {rate:.0f} rpm/s, rms over that of the deviation ({np.mean(clear):.1%} above {CLEAR:.0%})"
+        what = (
+            f"sweep correction at {rate:.0f} r/min per s, rms over that of the deviation "
+            f"({np.mean(clear):.1%} above {CLEAR:.0%})"
+        )
         found.append(ReportLine(what, "<= 10 %", size, wrong <= 0.1))
     return found
 

@@ -320,7 +320,7 @@ def _growing_orbit(machine: Machine, measurement: Measurement, place: ProbeStati
     direction = 1.0 if np.sum(measurement.direction) >= 0.0 else -1.0
     which = axes.known & (measurement.speed <= limit) & (measurement.direction == direction)
     speed = measurement.speed[which]
-    below = f"below {rad_per_s_to_rpm(limit):.0f} rpm, where it is certain"
+    below = f"below {rad_per_s_to_rpm(limit):.0f} r/min, where it is certain"
     if speed.size < FEWEST_SAMPLES:
         raise _SenseUndetectable(f"{speed.size} samples {below}; {FEWEST_SAMPLES} are needed")
     if np.ptp(speed) < NARROWEST * limit:

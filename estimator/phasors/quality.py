@@ -330,9 +330,9 @@ def _ringing(run: RecordedRun, quality: Quality, size: Floats) -> Quality:
         clock = _clock(run, beat)
         doubted |= bool(clock)
         words.append(
-            f"sweep rate: {run.channels[c]} beats behind {rad_per_s_to_rpm(beat.natural_frequency):.0f} rpm, "
+            f"sweep rate: {run.channels[c]} beats behind {rad_per_s_to_rpm(beat.natural_frequency):.0f} r/min, "
             f"{beat.turns:.1f} turns seen: the rotor rings after a resonance crossed at "
-            f"{abs(rad_per_s_to_rpm(beat.acceleration)):.3g} rpm/s by the beat itself{clock}"
+            f"{abs(rad_per_s_to_rpm(beat.acceleration)):.3g} r/min per s by the beat itself{clock}"
         )
     return replace(quality.with_flag(Flag.SWEEP_RATE_BEAT, where, *words), beats=beats, clock_doubted=doubted)
 
@@ -348,7 +348,7 @@ def _clock(run: RecordedRun, beat: Beat) -> str:
     rate = abs(float(np.polyfit(run.time[near] - run.time[0], run.speed[near], 1)[0]))
     if 1.0 / 3.0 < rate / abs(beat.acceleration) < 3.0:
         return ""
-    return f"; the samples' times say {rad_per_s_to_rpm(rate):.3g} rpm/s and are not to be trusted"
+    return f"; the samples' times say {rad_per_s_to_rpm(rate):.3g} r/min per s and are not to be trusted"
 
 
 def _lost_channels(run: RecordedRun, quality: Quality) -> tuple[str, ...]:
@@ -367,7 +367,7 @@ def _lost_channels(run: RecordedRun, quality: Quality) -> tuple[str, ...]:
             first, last = run.speed[pieces][[0, -1]]
             words.append(
                 f"channel lost: {channel} has no usable value from {rad_per_s_to_rpm(first):.0f} to "
-                f"{rad_per_s_to_rpm(last):.0f} rpm ({_exclusion_reasons(quality.flags[pieces, c])})"
+                f"{rad_per_s_to_rpm(last):.0f} r/min ({_exclusion_reasons(quality.flags[pieces, c])})"
             )
     return tuple(words)
 

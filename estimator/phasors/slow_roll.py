@@ -235,7 +235,7 @@ def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> 
         return f"the vectors scatter by {1e6 * spread:.3g} µm about a mean of {1e6 * size:.3g} µm"
     grown = abs(slope) * float(np.ptp(speed**2))
     if abs(slope) > CLEAR_GROWTH * slope_error and grown > LARGEST_GROWTH * size:
-        band = f"{rad_per_s_to_rpm(float(speed.min())):.0f} to {rad_per_s_to_rpm(float(speed.max())):.0f} rpm"
+        band = f"{rad_per_s_to_rpm(float(speed.min())):.0f} to {rad_per_s_to_rpm(float(speed.max())):.0f} r/min"
         return f"the vectors grow by {1e6 * grown:.3g} µm from {band}, at a mean of {1e6 * size:.3g} µm: this is vibration"
     # Growth that is not clear may be there all the same, as large as the noise lets it be.
     possible = max(abs(slope), slope_error) if math.isfinite(slope_error) else 0.0

@@ -23,7 +23,9 @@ for name, history in accepted.groupby("parameter"):
     print(f"{name}: {first:.3g} to {last:.3g} N/m, {100 * (last / first - 1):+.1f} % in {len(history)} runs")
 
 # %%
-curves = accepted.pivot(index="measured_at", columns="parameter", values="value").plot(subplots=True)
+curves = accepted.pivot(index="measured_at", columns="parameter", values="value").plot(
+    subplots=True, style="o", ylabel="N/m", xlabel=""
+)
 
 # %% [markdown]
 # What the service made of it:

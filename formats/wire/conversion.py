@@ -200,7 +200,9 @@ def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.
         if not np.isfinite(speed[index]):
             yield Fault(index, "not_finite", "speed is not a finite number")
         elif not 0.0 <= speed[index] <= fastest:
-            detail = f"speed {rad_per_s_to_rpm(speed[index]):.6g} rpm is not between 0 and {rad_per_s_to_rpm(fastest):.6g} rpm"
+            detail = (
+                f"speed {rad_per_s_to_rpm(speed[index]):.6g} r/min is not between 0 and {rad_per_s_to_rpm(fastest):.6g} r/min"
+            )
             yield Fault(index, "speed_out_of_range", detail)
         else:
             yield Fault(index, "time_out_of_range", _time_words(int(time[index])))

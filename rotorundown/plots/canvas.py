@@ -32,6 +32,8 @@ def channel_numbers(known: Sequence[str], wanted: Sequence[str] | None) -> list[
     if wanted is None:
         return list(range(len(known)))
     wanted = [wanted] if isinstance(wanted, str) else wanted
+    if not wanted:
+        raise UnknownChannel(f"no channel is named; there are {', '.join(known)}")
     unknown = next((one for one in wanted if one not in known), None)
     if unknown is not None:
         raise UnknownChannel(f"'{unknown}' is no channel; there are {', '.join(known)}{did_you_mean(unknown, known)}")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
@@ -257,7 +258,7 @@ def compare(
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")
     if coupling not in (known := [one.id for one in described.couplings]):
-        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(known)}")
+        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(known)}{did_you_mean(coupling, known)}")
     if follows_films(described):
         _compare_alignment(machine, healthy, files, coupling, as_json=as_json)
         return

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
+from estimator.close_matches import did_you_mean
 from estimator.simulation.scenarios import Scenario
 from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.release import VERSION
@@ -400,7 +401,8 @@ def _machine_and_scenario(text: str) -> "tuple[Machine, Scenario]":
     if scenario in get_args(Scenario):
         return read_machine(named_file(Path(name))), scenario  # type: ignore[return-value]
     if colon and found_example(Path(name)).is_file():
-        raise UnreadableFile(f"'{scenario}' is no scenario; there are {', '.join(get_args(Scenario))}")
+        known = get_args(Scenario)
+        raise UnreadableFile(f"'{scenario}' is no scenario; there are {', '.join(known)}{did_you_mean(scenario, known)}")
     return read_machine(named_file(Path(text))), "healthy"
 
 

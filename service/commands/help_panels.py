@@ -81,7 +81,7 @@ class PanelledGroup(TyperGroup):
         return sorted(super().list_commands(ctx), key=lambda name: order.index(name) if name in order else len(order))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command with its panel and its example; None where there is none of that name."""
+        """Return a command with its panel and its example, a group with its first command's; None where none has the name."""
         found = super().get_command(ctx, cmd_name)
         if found is None:
             return None
@@ -92,4 +92,6 @@ class PanelledGroup(TyperGroup):
         for name, one in {cmd_name: found, **within}.items():
             if name in EXAMPLES:
                 one.epilog = f"Example: `{EXAMPLES[name]}`"
+        if within:
+            found.epilog = next((one.epilog for one in within.values() if one.epilog), None)
         return found

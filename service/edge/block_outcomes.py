@@ -32,7 +32,7 @@ KEYPHASOR_CONDITIONS: dict[type[KeyphasorError], str] = {
 @dataclass(frozen=True)
 class BlockSettings:
     """Settings of the blocks. seconds or turns: length of a block. lowest, highest: lowest and highest speed of the machine
-    [rpm]. rails: rails of each channel."""
+    [r/min]. rails: rails of each channel."""
 
     channels: tuple[str, ...]
     lowest_rpm: float
@@ -139,7 +139,7 @@ def measured_block(
         return without_block(at, settings, at.begin, end, *found, WaveformFinding("too_slow", None, block.reason))
     rpm = rad_per_s_to_rpm(block.speed)
     if rpm > OVERSPEED * settings.highest_rpm:
-        detail = f"{rpm:.6g} rpm by the keyphasor, the machine goes up to {settings.highest_rpm:g} rpm"
+        detail = f"{rpm:.6g} r/min by the keyphasor, the machine goes up to {settings.highest_rpm:g} r/min"
         return without_block(at, settings, at.begin, end, *found, WaveformFinding("speed_out_of_range", None, detail))
     repairs = [repair for repair in angle.repairs if begin <= repair.time < until]
     if repairs:

@@ -72,10 +72,10 @@ FITS: Mapping[str, str] = {
     "where the fit ended a film carries no journal, so that the train has no modes there": (
         "wo die Anpassung endete, trägt ein Ölfilm keinen Zapfen, sodass der Wellenstrang dort keine Moden hat"
     ),
-    "the speed range {covered} rpm crosses no mode that moves {element} this way": (
+    "the speed range {covered} r/min crosses no mode that moves {element} this way": (
         "der Drehzahlbereich {covered} 1/min überstreicht keine Mode, die {element} so bewegt"
     ),
-    "the nearest that does lies at {rpm} rpm": "die nächste, die es tut, liegt bei {rpm} 1/min",
+    "the nearest that does lies at {rpm} r/min": "die nächste, die es tut, liegt bei {rpm} 1/min",
     (
         "what it does cannot be told from what others do, most of all {other} (correlation {correlation}): a wider speed "
         "range, more probes or a fixed value there would help"
@@ -94,7 +94,7 @@ FITS: Mapping[str, str] = {
         "{rest}"
     ),
     "is the unit of the speeds right?": "stimmt die Einheit der Drehzahlen?",
-    "the speed range {covered} rpm crosses no mode that moves {element}": (
+    "the speed range {covered} r/min crosses no mode that moves {element}": (
         "der Drehzahlbereich {covered} 1/min überstreicht keine Mode, die {element} bewegt"
     ),
     "open": "offen",

@@ -10,9 +10,9 @@ ORBITS: Mapping[str, str] = {
     "the model's own orbit is forward for {part} % of all unbalances only": (
         "die Wellenbahn des Modells selbst läuft nur für {part} % aller Unwuchten gleichläufig um"
     ),
-    "{samples} samples below {speed} rpm, where it is certain": "{samples} Messwerte unter {speed} 1/min, wo es sicher ist",
+    "{samples} samples below {speed} r/min, where it is certain": "{samples} Messwerte unter {speed} 1/min, wo es sicher ist",
     "{fewest} are needed": "{fewest} sind nötig",
-    "the speeds below {speed} rpm, where it is certain, lie too near to each other": (
+    "the speeds below {speed} r/min, where it is certain, lie too near to each other": (
         "die Drehzahlen unter {speed} 1/min, wo es sicher ist, liegen zu dicht beieinander"
     ),
     "the orbit is small beside those elsewhere, so it may turn either way": (

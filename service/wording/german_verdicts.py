@@ -151,7 +151,7 @@ VERDICTS: Mapping[str, str] = {
     "a shaft is held neither by two bearings nor by a coupling: nothing carries its weight": (
         "eine Welle wird weder von zwei Lagern noch von einer Kupplung gehalten: nichts trägt ihr Gewicht"
     ),
-    "not physically possible: at {speed} rpm, where the machine ran, {what}": (
+    "not physically possible: at {speed} r/min, where the machine ran, {what}": (
         "physikalisch nicht möglich: bei {speed} 1/min, wo die Maschine lief, {what}"
     ),
     "a mode of {frequency} cycles per minute grows (damping ratio {ratio})": (

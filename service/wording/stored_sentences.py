@@ -20,10 +20,13 @@ _WORD = r"\S+"
 _NAME = re.compile(rf"{_WORD}(?: %)?")
 """Part of a list that every language says alike: a name or a number."""
 _FRACTION = re.compile(r"[−+-]?\d+\.\d+(e[+-]?\d+)?(?: %)?")
+_FORMER_UNIT = re.compile(r"(?<=\d) rpm\b")
+"""Unit of speeds in sentences that earlier releases stored."""
 
 
 def in_language(sentence: str, language: Language) -> str:
     """Return a stored sentence in a language, as far as there are words for its parts."""
+    sentence = _FORMER_UNIT.sub(" r/min", sentence)
     if language.code not in STORED_SENTENCES:
         return sentence
     return "; ".join(_part(one, language) for one in sentence.split("; "))

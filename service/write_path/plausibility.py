@@ -65,7 +65,7 @@ class Plausibility:
         if self.strikes >= STRIKES:
             return None
         seconds = (time - self.time) / 1e9
-        speeds = f"speed {rad_per_s_to_rpm(speed):.6g} rpm cannot follow {rad_per_s_to_rpm(self.speed):.6g} rpm"
+        speeds = f"speed {rad_per_s_to_rpm(speed):.6g} r/min cannot follow {rad_per_s_to_rpm(self.speed):.6g} r/min"
         detail = f"{speeds} within {seconds:.3g} s"
         return Fault(index, "speed_out_of_order", detail)
 

@@ -1,7 +1,9 @@
 """Adds the form of bearing "softening": coefficients that fall with speed."""
 
+from functools import partial
+
 from tests.additions.addition import Addition
-from tests.additions.package_copy import PackageCopy
+from tests.additions.bearing_form import add_form
 
 MODULE = '''"""Coefficients of a bearing whose rubber softens with speed (derived here)."""
 
@@ -86,14 +88,6 @@ assert '"Softening"' in OPENAPI
 """
 
 
-def _add(copy: PackageCopy) -> None:
-    copy.write("estimator/bearings/softening.py", MODULE)
-    copy.insert("estimator/bearings/registry.py", "FORMS = (", "Softening, ")
-    copy.insert(
-        "estimator/bearings/registry.py",
-        "from estimator.bearings.model import BearingForm, OwnParameter\n",
-        "from estimator.bearings.softening import Softening\n",
-    )
-
-
-BEARING_MODEL = Addition("bearing model", most_files=2, add=_add, check=CHECK)
+BEARING_MODEL = Addition(
+    "bearing model", most_files=2, add=partial(add_form, module="softening", form="Softening", text=MODULE), check=CHECK
+)

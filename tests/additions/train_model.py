@@ -1,7 +1,9 @@
 """Adds the form "shared_rubber": one model of all bearings of a train."""
 
+from functools import partial
+
 from tests.additions.addition import Addition
-from tests.additions.package_copy import PackageCopy
+from tests.additions.bearing_form import add_form
 
 MODULE = '''"""Coefficients of bearings on rubber of one batch: the stiffness of each, one loss factor of all."""
 
@@ -124,14 +126,9 @@ assert '"SharedRubber"' in OPENAPI
 """
 
 
-def _add(copy: PackageCopy) -> None:
-    copy.write("estimator/bearings/shared_rubber.py", MODULE)
-    copy.insert("estimator/bearings/registry.py", "FORMS = (", "SharedRubber, ")
-    copy.insert(
-        "estimator/bearings/registry.py",
-        "from estimator.bearings.model import BearingForm, OwnParameter\n",
-        "from estimator.bearings.shared_rubber import SharedRubber\n",
-    )
-
-
-TRAIN_MODEL = Addition("model of all bearings", most_files=2, add=_add, check=CHECK)
+TRAIN_MODEL = Addition(
+    "model of all bearings",
+    most_files=2,
+    add=partial(add_form, module="shared_rubber", form="SharedRubber", text=MODULE),
+    check=CHECK,
+)

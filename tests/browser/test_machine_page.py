@@ -40,7 +40,7 @@ def test_fleet_names_identifications_that_failed_and_speeds_out_of_range(seen: S
     seen.page.route(re.compile("/api/v1/fleet"), lambda route: route.fulfill(json=fleet))
     seen.open()
     needed = seen.page.locator(f"tr[data-machine={MACHINE}] .needs")
-    expect(needed).to_contain_text("act on 1× at B2X beyond its danger limit: 150 of 120 µm pp at 2980 rpm")
+    expect(needed).to_contain_text("act on 1× at B2X beyond its danger limit: 150 of 120 µm pp at 2980 r/min")
     seen.page.get_by_label("Units of vibration and speed").select_option("mil_p,hz")
     expect(needed).to_contain_text("2.95 of 2.36 mil 0-pk at 49.67 Hz")
     expect(needed).to_contain_text("see to an identification that failed")
@@ -259,7 +259,7 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     seen.open(f"machines/{MACHINE}/shapes?run={newest['id']}&reference={other['id']}&rpm=1500")
     said = seen.page.locator(".orbits figure").first.locator("p")
     own = service.get(f"/runs/{newest['id']}/orbits", rpm=1500)["orbits"][0]["speed_rpm"]
-    expect(said).to_have_text(re.compile(rf"µm pp at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; overlaid run at 987 rpm$"))
+    expect(said).to_have_text(re.compile(rf"µm pp at {own // 1000:.0f}\s{own % 1000:03.0f} r/min; overlaid run at 987 r/min$"))
     assert seen.errors == []
 
 

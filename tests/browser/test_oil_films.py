@@ -94,7 +94,7 @@ def test_coefficients_of_the_chosen_bearing_are_drawn_and_read_out(seen: Seen, f
     value = f"{told(films)['bearing.B3.kxx@4600rpm']['value'] / 1e6:.1f}"
     plot.focus()
     seen.page.keyboard.press("ArrowRight")
-    expect(plot.locator(".readout")).to_contain_text(f"4600 rpm: kxx {value}")
+    expect(plot.locator(".readout")).to_contain_text(f"4600 r/min: kxx {value}")
     row = found.get_by_role("table").filter(has_text="MN/m").get_by_role("row", name="kxx")
     expect(row.get_by_role("cell").last).to_contain_text(value)
 
@@ -115,7 +115,7 @@ def test_the_measured_centreline_is_drawn_beside_the_models(seen: Seen, films: S
         found.get_by_role("button", name="Save the data as CSV: Shaft centreline in bearing B1").click()
     download.value.save_as(tmp_path / "line.csv")
     head, *rows = csv.reader((tmp_path / "line.csv").read_text().splitlines())
-    assert head == ["line", "speed [rpm]", "x [µm]", "y [µm]"]
+    assert head == ["line", "speed [r/min]", "x [µm]", "y [µm]"]
     (own,) = [one for one in measured["bearings"] if one["bearing"] == "B1"]
     assert sum(row[0] != "model" for row in rows) == sum(
         None not in pair for pair in zip(own["x_um"], own["y_um"], strict=True)
@@ -214,7 +214,7 @@ def test_what_the_data_do_not_say_has_its_reason(seen: Seen) -> None:
     expect(circle(found, "B2").locator("circle.journal")).to_have_count(0)
     expect(circle(found, "B3").locator("circle.journal")).to_have_count(1)
     expect(found.get_by_text(f"Journal y: {REASON}")).to_be_visible()
-    expect(found.get_by_text(f"kxy at 700 rpm: {REASON}")).to_be_visible()
+    expect(found.get_by_text(f"kxy at 700 r/min: {REASON}")).to_be_visible()
     expect(found.get_by_role("row", name="kxy").get_by_text("not estimable")).to_be_visible()
 
 

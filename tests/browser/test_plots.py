@@ -220,9 +220,9 @@ EIGHT = ["B1X", "B1Y", "B2X", "B2Y", "B3X", "B3Y", "B4X", "B4Y"]
         (
             f"response?channels={','.join(EIGHT)}",
             2,
-            r"\d+ rpm: " + ", ".join(rf"{one} −?[\d.]+" for one in EIGHT) + " [µ°rσ].*",
+            r"\d+ r/min: " + ", ".join(rf"{one} −?[\d.]+" for one in EIGHT) + " [µ°rσ].*",
         ),
-        ("model", 1, r"\d[\d\u202f ]* rpm: .*\d [kM]?(Hz|N|N·m)"),
+        ("model", 1, r"\d[\d\u202f ]* r/min: .*\d [kM]?(Hz|N|N·m)"),
     ],
 )
 def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int, whole: str) -> None:
@@ -269,7 +269,7 @@ def test_bode_plots_read_out_every_channel_at_every_speed(seen: Seen, service: S
     plot = seen.page.get_by_role("group", name=re.compile(f"^{what} of"))
     said = plot.locator(".readout")
     number = r"−?\d[\d.]*"
-    whole = re.compile(rf"({number}) rpm: " + ", ".join(f"{one} ({number})" for one in shown) + f" {unit}")
+    whole = re.compile(rf"({number}) r/min: " + ", ".join(f"{one} ({number})" for one in shown) + f" {unit}")
     plot.focus()
     read = {}
     for _ in phasors["speed_rpm"][1:]:
@@ -301,7 +301,7 @@ def test_polar_plots_are_read_out_by_keys(seen: Seen) -> None:
     expect(said).to_contain_text("rings of")
     plot.focus()
     seen.page.keyboard.press("ArrowRight")
-    expect(said).to_contain_text(re.compile(r"rpm, .* µm pp, -?\d+° lag"))
+    expect(said).to_contain_text(re.compile(r"r/min, .* µm pp, -?\d+° lag"))
     first, at = said.inner_text(), plot.locator(".chosen").bounding_box()
     seen.page.keyboard.press("Shift+ArrowRight")
     expect(said).not_to_have_text(first)
@@ -345,8 +345,8 @@ def test_correlations_are_read_out_by_keys(seen: Seen, service: Service) -> None
     assert seen.errors == []
 
 
-def says_rpm(canvas: Locator) -> bool:
-    return "rpm" in canvas.evaluate("(canvas) => written.get(canvas) ?? []")
+def says_unit_of_speed(canvas: Locator) -> bool:
+    return "r/min" in canvas.evaluate("(canvas) => written.get(canvas) ?? []")
 
 
 @pytest.mark.parametrize(("tab", "plots"), [("response", 3), ("model", 5)])
@@ -360,7 +360,7 @@ def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> Non
     seen.open(f"machines/{MACHINE}/{tab}")
     wait_drawn(seen.page, plots) if tab == "response" else expect(seen.page.locator(".plot canvas")).to_have_count(plots)
     for canvas in seen.page.locator(".plot canvas").all():
-        until(partial(says_rpm, canvas), within_s=5, what="the axis says rpm")
+        until(partial(says_unit_of_speed, canvas), within_s=5, what="the axis says r/min")
     assert seen.errors == []
 
 

@@ -80,7 +80,7 @@ def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
     expect(seen.page.get_by_role("heading", name="Critical speeds")).to_be_visible()
     expect(seen.page.locator(".loading")).to_have_count(0)
     expect(seen.page.locator("main")).not_to_contain_text("µm pp")
-    expect(seen.page.locator("main")).not_to_contain_text(re.compile(r"\d rpm"))
+    expect(seen.page.locator("main")).not_to_contain_text(re.compile(r"\d r/min"))
     expect(seen.page.locator("table").first).to_contain_text(" Hz")
     seen.open(f"machines/{MACHINE}/trends?element=derived_quantities")
     critical = seen.page.locator(".history-plot", has_text="critical speed 1").first
@@ -153,7 +153,7 @@ def test_orbits_open_at_running_speed_with_probes_and_timebase(seen: Seen, servi
     orbit = seen.page.locator(".orbits figure").first
     expect(orbit.locator("svg text")).to_have_text(["B1X", "B1Y"])
     highest = max(run["speed_maximum_rpm"] for run in service.get(f"/machines/{COPY}/runs"))
-    shown = re.search(r"Speed: ([\d\u202f]+) rpm", seen.page.locator(".wide").inner_text())
+    shown = re.search(r"Speed: ([\d\u202f]+) r/min", seen.page.locator(".wide").inner_text())
     assert shown is not None
     assert int(shown.group(1).replace("\u202f", "")) == pytest.approx(highest, abs=6)
     expect(orbit).to_contain_text("µm pp")
@@ -175,7 +175,7 @@ def test_every_plot_is_saved_as_a_picture_and_its_data_as_csv(seen: Seen, tmp_pa
     path = tmp_path / "data.csv"
     download.value.save_as(path)
     head, *rows = csv.reader(path.read_text().splitlines())
-    assert head[0] == "x [rpm]"
+    assert head[0] == "x [r/min]"
     assert "B1X [µm pp]" in head
     assert len(rows) > 50
     count = seen.page.locator(".plot, .polar").count()

@@ -116,14 +116,25 @@ def test_containers_get_what_the_image_gives() -> None:
             assert (ROOT / name).exists(), name
 
 
-def test_the_image_has_what_settings_ask_for_and_is_of_this_release() -> None:
-    """A broker, an OPC UA server or traces are turned on by settings: a container cannot install anything for them."""
+OF_NO_CONTAINER = {"frames", "plots", "docs", "sbom", "dev"}
+"""Extras of the library in a notebook, and of who works on the project."""
+
+
+def test_the_image_has_what_a_container_may_need_and_is_of_this_release() -> None:
+    """Settings turn on a broker, OPC UA, traces or vendors' files: a container cannot install anything for them."""
     image = (DEPLOY / "Containerfile").read_text()
     (installed,) = re.findall(r"'\.\[(.*)\]'", image)
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    assert (
-        {"service", "postgresql", "report", "mqtt", "opcua", "telemetry", "dask"} <= set(installed.split(",")) <= set(extras)
-    )
+    assert set(installed.split(",")) == set(extras) - OF_NO_CONTAINER
+    readme = (DEPLOY / "README.md").read_text()
+    (on_a_machine,) = re.findall(r"pip install '\.\[(.*)\]'", readme)
+    assert set(on_a_machine.split(",")) <= set(extras)
+    (of_settings,) = re.findall(r"^The installation has what most need\. (.*?)\n\n", readme, re.MULTILINE | re.DOTALL)
+    later = set(re.findall(r"`([a-z0-9]+)`", of_settings))
+    assert set(on_a_machine.split(",")) | later == set(extras) - OF_NO_CONTAINER
+    named = {one.removeprefix("RUNDOWN_").lower() for one in re.findall(r"`(RUNDOWN_\w+)`", of_settings)}
+    assert named
+    assert named <= set(Settings.model_fields)
     release = VERSION.rpartition(".")[0]
     for file in (COMPOSE, KUBERNETES):
         assert set(re.findall(r"image: rundown:(\S+)", file.read_text())) == {release}, file.name

@@ -179,6 +179,15 @@ def test_the_site_builds(site: Path) -> None:
 
 
 @pytest.mark.long
+def test_every_notebook_of_the_gallery_shows_what_it_draws_and_prints(site: Path) -> None:
+    for name in NOTEBOOKS:
+        assert list(site.glob(f"gallery-{name}-*.svg")), name
+    year = (site / "gallery-alignment_over_a_year.html").read_text(encoding="utf-8")
+    assert "Coupling C1 is going out of alignment" in year
+    assert re.search(r"coupling\.C1\.kxx: .* \+\d\d\.\d % in 16 runs", year)
+
+
+@pytest.mark.long
 def test_a_wide_equation_is_moved_by_itself(site: Path) -> None:
     page = (site / "method-model.html").read_text(encoding="utf-8")
     assert 'href="site.css"' in page

@@ -32,9 +32,27 @@ def test_bode_shows_the_run_and_the_fit(run: rd.MachineRun, result: rd.Result) -
     np.testing.assert_allclose(fit, measured, rtol=0.1, atol=0.5)
 
 
+def test_bode_of_many_channels_stands_in_rows_of_at_most_four(run: rd.MachineRun, result: rd.Result) -> None:
+    channels = result.machine.channels
+    for wanted, across in ((channels, 4), (channels[:5], 3), (channels[:1], 1)):
+        figure = result.plot_bode(list(wanted))
+        titles = [one.get_title() for one in figure.axes if one.get_title()]
+        assert titles == list(wanted)
+        places = [one.get_subplotspec() for one in figure.axes if one.get_title()]
+        assert [(one.rowspan.start, one.colspan.start) for one in places if one] == [
+            (2 * (place // across), place % across) for place in range(len(wanted))
+        ]
+        assert len(figure.axes) == 2 * len(wanted)
+        assert figure.get_figwidth() / across >= 3.5
+    _, lag = curve(result.plot_bode(), -1, 0)
+    np.testing.assert_allclose(lag, run.phase_lag_deg[:, -1])
+
+
 def test_an_unknown_channel_is_named(result: rd.Result) -> None:
     with pytest.raises(KeyError, match=r"'B1' is no channel; there are B1L.*did you mean"):
         result.plot_bode(["B1"])
+    with pytest.raises(KeyError, match="no channel is named; there are B1L"):
+        result.plot_bode([])
 
 
 def test_polar_shows_the_vectors(run: rd.MachineRun, result: rd.Result) -> None:

@@ -98,7 +98,7 @@ def test_a_table_without_times_has_none(pump: Machine, run: rd.MachineRun) -> No
 
 
 def test_a_run_says_in_which_units_it_was_read(pump: Machine, run: rd.MachineRun) -> None:
-    assert "read as rpm, um peak-to-peak, phase lag in deg" in str(rd.read_run(table(run), machine=pump))
+    assert "read as r/min, µm peak-to-peak, phase lag in degrees" in str(rd.read_run(table(run), machine=pump))
 
 
 def without(name: str, columns: dict[str, Any]) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 export const en = {
   // browser/
-  rpm: "rpm",
+  rpm: "r/min",
   // components/
   viewHasError: "This view cannot be shown, the page has an error: {error}",
   tryAgain: "Try again",

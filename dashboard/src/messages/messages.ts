@@ -85,6 +85,8 @@ async function storedSentences(): Promise<Readonly<Record<string, string>>> {
 /** Names of parameters within a sentence: `coupling.C1.cxy`, `disc.D1.unbalance.real`. */
 const PARAMETER = /\b(bearing|coupling|disc|material|pedestal|probe|seal|shaft|static_load)\.([\w-]+)\.([a-z]\w*)(?:\.(real|imaginary))?/g;
 
+/** Unit of speeds in sentences that earlier releases stored. */
+const FORMER_UNIT = /(?<=\d) rpm\b/g;
 const MICROMETRES = /(\d+(?:[.,]\d+)?(?:e[+-]?\d+)?) µm(?! pp)/g;
 
 /** Lengths of a sentence in another unit than the micrometres that it tells. */
@@ -95,7 +97,7 @@ function inLengthUnit(sentence: string, { label, factor }: { label: string; fact
 
 /** A sentence that the service has stored in English, in the page's language as far as there are words for its parts. length: unit of its lengths. */
 export function stored(sentence: string, length = { label: "µm", factor: 1 }): string {
-  return inLengthUnit(translatedSentence(sentence), length);
+  return inLengthUnit(translatedSentence(sentence.replace(FORMER_UNIT, " r/min")), length);
 }
 
 function translatedSentence(sentence: string): string {

@@ -29,7 +29,7 @@ export interface OilFilm {
   viscosity: Bounded | undefined;
   /** How far the viscosity of the supply that its oil comes from is off, where that is estimated. */
   supply: { name: string; factor: Bounded } | undefined;
-  /** Ascending; the last is running speed [rpm]. */
+  /** Ascending; the last is running speed [r/min]. */
   speeds: number[];
   coefficients: FilmCoefficient[];
 }

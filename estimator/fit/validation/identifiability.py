@@ -82,13 +82,13 @@ class OpenParameters:
         frequency = self._modes.frequency
         if np.any(moved & (frequency >= low) & (frequency <= high)):
             return None
-        covered = f"{rad_per_s_to_rpm(low):.0f}-{rad_per_s_to_rpm(high):.0f} rpm"
+        covered = f"{rad_per_s_to_rpm(low):.0f}-{rad_per_s_to_rpm(high):.0f} r/min"
         words = f"the speed range {covered} crosses no mode that moves {coefficient.element.replace('.', ' ')}"
         beyond = frequency[moved & ((frequency < low) | (frequency > high))]
         if beyond.size == 0:
             return words
         nearest = beyond[np.argmin(np.minimum(np.abs(beyond - low), np.abs(beyond - high)))]
-        return f"{words} this way; the nearest that does lies at {rad_per_s_to_rpm(nearest):.0f} rpm"
+        return f"{words} this way; the nearest that does lies at {rad_per_s_to_rpm(nearest):.0f} r/min"
 
     def _mistaken_for(self, place: int) -> str | None:
         """Name the parameter whose effect is most like this one's, if this one alone would be determined much better."""

@@ -111,7 +111,7 @@ class LeastDampedMode(Struct, frozen=True):
         mode = f"a mode of {frequency:.0f} cycles per minute grows (damping ratio {self.damping_ratio:.2g})"
         if self.eigenvalue.imag == 0.0:
             mode = "the shaft leaves its bearings without oscillating"
-        return f"not physically possible: at {speed:.0f} rpm, where the machine ran, {mode}"
+        return f"not physically possible: at {speed:.0f} r/min, where the machine ran, {mode}"
 
 
 class PhysicalLimits:

@@ -111,7 +111,7 @@ def test_a_channel_lost_for_a_while_is_named_with_its_speeds() -> None:
     status[30:60, 0] = ChannelStatus.BAD
     (words,) = assess(replace(one, status=status), noise=NOISE).findings
     low, high = one.speed[59] / rpm_to_rad_per_s(1.0), one.speed[30] / rpm_to_rad_per_s(1.0)
-    assert words == f"channel lost: X has no usable value from {high:.0f} to {low:.0f} rpm (bad)"
+    assert words == f"channel lost: X has no usable value from {high:.0f} to {low:.0f} r/min (bad)"
     status[:, 1] = ChannelStatus.NOT_AVAILABLE
     findings = assess(replace(one, status=status), noise=NOISE).findings
     assert "channel lost: Y has no usable value in the whole run (not-available)" in findings

@@ -38,6 +38,7 @@ def test_a_scenario_of_an_example_and_a_file_of_one_s_own(elsewhere: Path) -> No
     ended = invoked("check", PUMP, "later.csv", "--json")
     assert (ended.exit_code, json.loads(ended.stdout)["runs"][0]["samples"]) == (0, 20)
     assert "'tired' is no scenario; there are healthy" in invoked("sample", f"{PUMP}:tired", "run.csv").stderr
+    assert "; did you mean 'unbalance'?" in invoked("sample", f"{PUMP}:unbalanced", "run.csv").stderr
     (elsewhere / "examples").mkdir()
     (elsewhere / PUMP).write_text("- 1")
     own = invoked("document", PUMP)

@@ -243,4 +243,4 @@ def test_a_wrong_sampling_rate_shows_as_a_speed_beyond_the_machine() -> None:
     assert found
     assert all(one.block is None for one in found)
     assert {one.name for outcome in found for one in outcome.found} == {"speed_out_of_range"}
-    assert "5000.2 rpm by the keyphasor" in found[0].found[0].detail
+    assert "5000.2 r/min by the keyphasor" in found[0].found[0].detail

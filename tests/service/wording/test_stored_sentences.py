@@ -17,7 +17,8 @@ from service.wording.stored_sentences import STORED_SENTENCES, comment_in_langua
 
 ROOT = Path(__file__).parents[3]
 PLACE = re.compile(r"\{(\w+)\}")
-FRAGMENT = re.compile(r"\{\w+\}|, | rpm ")
+FRAGMENT = re.compile(r"\{\w+\}|, | r/min ")
+FIGURE_OF_SPEED = re.compile(r"(?<=\d) r/min\b")
 PACKAGES = ("estimator", "service/runs", "service/monitoring", "service/api", "service/delivery", "service/security")
 ENGLISH_WORDS = re.compile(r"\b(?:the|of|is|are|with|from|not|and|this|has|which|since|by|or|at|it)\b")
 """Words that no German sentence has."""
@@ -34,6 +35,12 @@ def test_no_english_is_left_of_a_stored_sentence(sentence: str) -> None:
     # What is told in numbers and names is told in every language.
     assert set(re.findall(r"[A-Z]\d\w*", sentence)) <= set(re.findall(r"[A-Z]\d\w*", said))
     assert in_language(sentence, ENGLISH) == sentence
+
+
+@pytest.mark.parametrize("sentence", [one for one in STORED if FIGURE_OF_SPEED.search(one)])
+def test_sentences_that_earlier_releases_stored_with_rpm_are_told_as_those_of_today(sentence: str) -> None:
+    for language in LANGUAGES:
+        assert in_language(FIGURE_OF_SPEED.sub(" rpm", sentence), language) == in_language(sentence, language)
 
 
 def test_no_sentence_belongs_to_two_topics() -> None:

@@ -52,7 +52,7 @@ def test_coupling_that_no_mode_in_the_range_moves() -> None:
         share = getattr(machine.couplings[0], own) * apart[row[own]] ** 2 / energy
         # The fit's own values differ a little from the true ones: the border between the two is not sharp.
         assert share[inside].max(initial=0.0) < 0.02, name
-        assert "speed range 573-1050 rpm" in (said[name] or "")
+        assert "speed range 573-1050 r/min" in (said[name] or "")
         checked += 1
     assert checked
 

@@ -106,7 +106,7 @@ def test_data_of_a_train_that_whirls_are_refused_with_speed_and_frequency() -> N
     machine = whirling(1.5)
     found = identify(machine, Measurement.of(speed=SPEED, phasor=noisy(dense_response(machine, SPEED, direction=1), seed=0)))
     assert not found.accepted
-    assert found.verdict.startswith("not physically possible: at 2827 rpm, where the machine ran, a mode of ")
+    assert found.verdict.startswith("not physically possible: at 2827 r/min, where the machine ran, a mode of ")
 
 
 def test_a_stable_train_is_accepted_as_before() -> None:

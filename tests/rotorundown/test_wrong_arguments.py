@@ -1,0 +1,105 @@
+"""Wrong arguments of the library's functions are named in one line that says what would be right."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import rotorundown as rd
+from estimator.machine.document import Machine
+from rotorundown.identification import NothingToIdentify
+from rotorundown.run_columns import WrongRun
+from tests.paths import EXAMPLES
+from tests.rotorundown.wrong_input import PUMP, one_line
+
+
+def test_what_was_not_read_is_told_how_to_read_it(pump: Machine, run: rd.MachineRun) -> None:
+    wrong: Any
+    for wrong in (run.to_frame(), "run.csv", [run.to_frame()]):
+        with pytest.raises(NothingToIdentify, match=r"read it first, with read_run\(…, machine=…\)") as raised:
+            rd.identify(pump, wrong)
+        one_line(raised)
+    swapped: tuple[Any, Any] = (run, pump)
+    with pytest.raises(NothingToIdentify, match=r"the machine comes first, identify\(machine, run\)") as raised:
+        rd.identify(*swapped)
+    one_line(raised)
+    unread: Any = str(PUMP)
+    with pytest.raises(NothingToIdentify, match=r"the machine is a str: read it first, with read_machine\(…\)"):
+        rd.identify(unread, run)
+    with pytest.raises(WrongRun, match=r"machine is a str: read it first, with read_machine\(…\)"):
+        rd.read_run(run.to_frame(), machine=unread)
+
+
+def test_a_run_of_another_machine_is_refused(run: rd.MachineRun) -> None:
+    with pytest.raises(NothingToIdentify, match=r"has the channels B1L.* 'thesis-chapter-3' has B1X") as raised:
+        rd.identify(rd.read_machine(EXAMPLES / "thesis-chapter-3.yaml"), run)
+    one_line(raised)
+
+
+def test_what_was_not_identified_is_told_so(pump: Machine, run: rd.MachineRun, result: rd.Result) -> None:
+    made: Any = rd
+    calls: list[tuple[Callable[[], Any], str]] = [
+        (lambda: made.compare(pump, run, coupling="C1"), "the baseline is a Machine: identify first"),
+        (lambda: made.diagnose(result, [result]), "baseline is one result: give a list of them"),
+        (lambda: made.diagnose([result], [run]), "what is in later is a MachineRun: identify first"),
+        (lambda: made.diagnose(run, run), "baseline is a MachineRun: give a list of results"),
+        (lambda: made.calibrate(pump, [run]), "a recording is a MachineRun: give paths of files"),
+        (lambda: made.calibrate(pump, run), "files is a MachineRun: give a list of the recordings"),
+        (lambda: made.calibrate(pump, [None]), "a recording is a NoneType: give paths of files"),
+        (lambda: made.calibrate(pump, (one for one in ["none.csv"])), "none.csv"),
+        (lambda: made.model(None), "the source is a NoneType: identify first"),
+        (lambda: made.calibrate(pump, "run.csv"), "files is one path, run.csv: give a list"),
+        (lambda: made.simulate(str(PUMP)), "read it first, with read_machine(…)"),
+        (
+            lambda: made.simulate(pump, scenario="misaligned"),
+            "there are healthy, misalignment, unbalance; did you mean 'misalignment'",
+        ),
+        (lambda: made.simulate(pump, progress=7), "progress 7 is not from 0 to 1"),
+        (lambda: made.simulate(pump, samples=0), "a run has 2 samples at least, not 0"),
+        (lambda: made.simulate(pump, duration_s=float("nan")), "a run takes some time"),
+    ]
+    for call, words in calls:
+        with pytest.raises(ValueError, match=re.escape(words)) as raised:
+            call()
+        one_line(raised)
+    with pytest.raises(KeyError, match="'3' is not estimated"):
+        made.Result.__getitem__(result, 3)
+
+
+def test_what_cannot_be_simulated_or_drawn_is_one_line(pump: Machine, run: rd.MachineRun, result: rd.Result) -> None:
+    made: Any = rd
+    calls: list[tuple[Callable[[], Any], str]] = [
+        (lambda: made.simulate(pump, samples=2.5), "samples is a whole number, not 2.5"),
+        (lambda: made.simulate(pump, seed=-1), "seed is a whole number from 0 up, not -1"),
+        (lambda: made.simulate(pump, run_seed="a"), "run_seed is a whole number from 0 up, not 'a'"),
+        (lambda: made.simulate(pump, weights={"core-1": 5}), "an amount [g mm] and an angle [°] by disc, such as {'core-1'"),
+        (lambda: made.simulate(pump, weights=[("core-1", 5)]), "weights are an amount [g mm] and an angle [°] by disc"),
+        (lambda: made.simulate(pump, weights={"core": (5, 0)}), "there is no disc 'core' for a trial weight; did you mean"),
+        (lambda: made.plot_trend([], "coupling.C1.kxx"), "a trend is drawn of a list of results of identify"),
+        (lambda: made.plot_trend(result, "coupling.C1.kxx"), "a trend is drawn of a list of results of identify"),
+        (lambda: made.plot_trend([run], "coupling.C1.kxx"), "a trend is drawn of a list of results of identify"),
+        (lambda: result.plot_bode("B1X"), "'B1X' is no channel"),
+        (lambda: made.Result.plot_orbit(result, "2980"), "an orbit is drawn at one speed [r/min], such as 2980.0, not '2980'"),
+        (lambda: result.plot_orbit(0.0), "an orbit is drawn at one speed [r/min], such as 2980.0, not 0.0"),
+        (lambda: made.Service(8080), "'8080' is no address of a service: it is written as http://localhost:8080"),
+        (
+            lambda: made.identify(pump, run, accepted_rpm=3),
+            "accepted_rpm is 3: give the lowest and the highest speed",
+        ),
+        (lambda: made.identify(pump, run, half_power="x"), "half_power is 'x': "),
+    ]
+    for call, words in calls:
+        with pytest.raises((ValueError, KeyError), match=re.escape(words)) as raised:
+            call()
+        one_line(raised)
+
+
+def test_one_channel_may_be_named_without_a_list(result: rd.Result) -> None:
+    assert [one.get_title() for one in result.plot_bode("B1L").axes if one.get_title()] == ["B1L"]
+
+
+def test_a_model_is_printed_in_a_line(pump: Machine) -> None:
+    assert str(rd.model(pump)) == repr(rd.model(pump))
+    assert str(rd.model(pump)).startswith("motor-pump: model with critical_speeds(), campbell(), plot_campbell()")
+    assert all(hasattr(rd.Model, name) for name in re.findall(r"(\w+)\(\)", str(rd.model(pump))))

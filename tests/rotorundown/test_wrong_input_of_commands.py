@@ -1,0 +1,74 @@
+"""Commands name wrong input in one line, as the library does, without colours where the terminal has none."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import rotorundown as rd
+from service.commands.app import app
+from tests.rotorundown.wrong_input import PUMP, in_radians, written
+
+
+def invoked(*arguments: str, **environment: str) -> Any:
+    """A command's end, in a terminal without colours."""
+    return CliRunner().invoke(app, arguments, env={"NO_COLOR": "1", "TERM": "dumb", **environment})
+
+
+def test_a_command_reads_a_table_as_the_library_does_and_says_its_units(run: rd.MachineRun, tmp_path: Path) -> None:
+    ended = invoked("identify", str(PUMP), written(tmp_path / "plain.csv", run.to_frame()))
+    assert ended.exit_code == 0, ended.output
+    assert "plain.csv: read as r/min, µm peak-to-peak, phase lag in degrees" in ended.stderr
+    assert "accepted: χ²/dof" in ended.stdout
+
+
+TABLES: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "no rows": (lambda frame: frame[:0], "has no rows below a header line"),
+    "wrong columns": (lambda frame: frame.rename(columns={"speed_rpm": "n"}), "no column holds the speed: name it speed"),
+    "no channel": (lambda frame: frame[["speed_rpm"]], "no column holds an amplitude of a channel of 'motor-pump'"),
+    "radians": (in_radians, "which looks like radians"),
+    "a speed in Hz": (
+        lambda frame: frame.assign(speed=frame["speed_rpm"] / 60.0).drop(columns="speed_rpm"),
+        "are these in rad/s or Hz? Say so with speed_unit",
+    ),
+    "decimal commas": (lambda frame: frame.map(lambda one: f"{one}".replace(".", ",")), "write numbers with a decimal point"),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path: Path, name: str) -> None:
+    change, words = TABLES[name]
+    ended = invoked("identify", str(PUMP), written(tmp_path / "run.csv", change(run.to_frame())))
+    assert ended.exit_code == 1
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith(f"rundown: {tmp_path / 'run.csv'}")
+    assert words in line
+    # A command has no option for units.
+    assert line.endswith("(to a command: in a sidecar, run.yaml)") is ("_unit" in line)
+
+
+def test_an_empty_file_and_one_with_semicolons(run: rd.MachineRun, tmp_path: Path) -> None:
+    empty, other = tmp_path / "empty.csv", tmp_path / "semicolons.csv"
+    empty.touch()
+    run.to_frame().to_csv(other, index=False, sep=";", decimal=",")
+    for file, words in ((empty, "has no rows"), (other, "write it with commas, and numbers with a decimal point")):
+        ended = invoked("identify", str(PUMP), str(file))
+        assert (ended.exit_code, len(ended.stderr.splitlines())) == (1, 1)
+        assert words in ended.stderr
+
+
+def test_nothing_is_coloured_where_the_terminal_has_no_colours() -> None:
+    for arguments in (("--help",), ("identify", "--help"), ("identify",), ("nothing",)):
+        assert "\x1b" not in invoked(*arguments).output
+
+
+def test_what_is_there_already_or_no_address_is_said(tmp_path: Path) -> None:
+    shutil.copy(PUMP, tmp_path / "pump-12.yaml")
+    assert "is there already: name another file" in invoked("init", str(tmp_path / "pump-12.yaml")).stderr
+    nowhere = tmp_path / "nowhere" / "run.csv"
+    assert invoked("sample", str(PUMP), str(nowhere)).stderr == f"rundown: {nowhere}: No such file or directory\n"
+    assert "write protocol, host and port, such as tcp://" in invoked("worker", "nowhere").stderr
+    assert "there is no file" in invoked("restore", str(tmp_path / "none.db")).stderr

@@ -1,0 +1,106 @@
+"""Values in other units than those stated are named in one line that says what would be right."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import rotorundown as rd
+from estimator.machine.document import Machine
+from rotorundown.run_columns import WrongRun
+from service.commands.app import app
+from tests.rotorundown.wrong_input import PUMP, in_radians, one_line
+
+UNITS: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
+    "degrees said to be radians": (
+        lambda frame, _: frame,
+        {"phase_unit": "rad"},
+        "degrees and not radians: say phase_unit='deg'",
+    ),
+    "a unit that there is not": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
+        {"speed_unit": "hz"},
+        "speed_unit 'hz' is not one of rpm, rad/s, Hz",
+    ),
+    "a kind that there is not": (lambda frame, _: frame, {"amplitude_kind": "pp"}, "amplitude_kind 'pp' is not one of peak"),
+    "revolutions a minute said to be radians": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
+        {"speed_unit": "rad/s"},
+        "most speeds lie far beyond the range of 'motor-pump' when read in rad/s: are these in rpm? Say so with speed_unit",
+    ),
+    "speeds of a shaft that turns the other way": (
+        lambda frame, _: frame.assign(speed_rpm=-frame["speed_rpm"]),
+        {},
+        "all speeds are below zero: write them positive, the document says which way it turns (rotation: positive)",
+    ),
+    "decibels": (
+        lambda frame, _: frame.assign(B1R_um_pp=20 * np.log10(frame["B1R_um_pp"] / 1e3)),
+        {},
+        "the amplitudes of B1R are below zero, such as -",
+    ),
+    "one component of vectors": (
+        lambda frame, _: frame.assign(B2L_um_pp=frame["B2L_um_pp"] * np.cos(np.radians(frame["B2L_lag_deg"]))),
+        {},
+        "write amplitudes with phases, not decibels or one component of the vector",
+    ),
+    "metres": (
+        lambda frame, _: frame.apply(lambda one: one * 1e-6 if one.name.endswith("_um_pp") else one),
+        {},
+        "less than any probe resolves: are these in m? Say so with amplitude_unit",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_values_in_another_unit_are_told_theirs(pump: Machine, run: rd.MachineRun, tmp_path: Path, name: str) -> None:
+    make, options, words = UNITS[name]
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(make(run.to_frame(), tmp_path / "run.csv"), machine=pump, **options)
+    one_line(raised)
+
+
+def test_small_phases_of_a_single_channel_are_degrees_where_somebody_says_so(run: rd.MachineRun, pump: Machine) -> None:
+    """A stiff place may turn by a few degrees only; four of them that do are rather in radians."""
+    frame = in_radians(run.to_frame())
+    one = frame[["speed_rpm", "B2L_um_pp", "B2L_lag_deg"]]
+    with pytest.raises(WrongRun, match="looks like radians: say phase_unit='rad', or phase_unit='deg' where they are"):
+        rd.read_run(one, machine=pump)
+    (line,) = rd.read_run(one, machine=pump, phase_unit="deg").left_out
+    assert line.endswith("which looks like radians: taken as degrees, as phase_unit says")
+    with pytest.raises(WrongRun, match="which looks like radians: say phase_unit='rad'"):
+        rd.read_run(frame, machine=pump, phase_unit="deg")
+
+
+def test_one_channel_in_radians_among_others_in_degrees_is_named(run: rd.MachineRun, pump: Machine) -> None:
+    frame = run.to_frame()
+    assert rd.read_run(frame, machine=pump).left_out == ()
+    (line,) = rd.read_run(frame.assign(B2L_lag_deg=np.radians(frame["B2L_lag_deg"])), machine=pump).left_out
+    assert line.startswith("run, B2L: its phases lie within 4.89, those of others do not")
+    assert line.endswith("are they in radians? Write degrees")
+
+
+@pytest.mark.parametrize(
+    ("said", "instead", "words"),
+    [
+        ("phase_unit: deg", "phase_unit: rad", "are degrees and not radians: its sidecar should say phase_unit: deg"),
+        ("speed_unit: rpm", "speed_unit: herz", "run.csv: speed_unit 'herz' is not one of rpm, rad/s, Hz"),
+    ],
+)
+def test_a_wrong_unit_of_a_sidecar_is_named_with_its_file(
+    pump: Machine, tmp_path: Path, said: str, instead: str, words: str
+) -> None:
+    run = tmp_path / "run.csv"
+    assert CliRunner().invoke(app, ["sample", str(PUMP), str(run)]).exit_code == 0
+    sidecar = run.with_suffix(".yaml")
+    sidecar.write_text(sidecar.read_text().replace(said, instead))
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(run, machine=pump)
+    one_line(raised)
+    told = CliRunner().invoke(app, ["identify", str(PUMP), str(run)])
+    assert told.exit_code == 1
+    (line,) = told.output.splitlines()
+    assert words in line
