@@ -87,11 +87,15 @@ class MachineRun(Struct, frozen=True, eq=False):
         return float(self.recorded.time[1] - self.recorded.time[0])
 
     def to_frame(self) -> Any:
-        """Return a pandas DataFrame: speed [r/min], then amplitude [µm pp] and phase lag [°] of each channel, then gaps [µm].
+        """Return a pandas DataFrame that `read_run` reads again, with times [s] and gaps [µm] where there are any.
 
+        Its columns are the time since the first sample, the speed [r/min], amplitude [µm pp] and phase lag [°] of each
+        channel, then the gaps.
         Raises PackageMissing without pandas.
         """
-        columns: dict[str, Floats] = {"speed_rpm": self.speed_rpm}
+        time = self.recorded.time
+        columns: dict[str, Floats] = {} if time is None else {"time_s": time - time[:1]}
+        columns["speed_rpm"] = self.speed_rpm
         for number, channel in enumerate(self.channels):
             columns[f"{channel}_um_pp"] = self.amplitude_um_pp[:, number]
             columns[f"{channel}_lag_deg"] = self.phase_lag_deg[:, number]

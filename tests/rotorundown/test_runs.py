@@ -33,7 +33,10 @@ def same(one: rd.MachineRun, other: rd.MachineRun) -> None:
 def test_a_mapping_and_a_data_frame_hold_the_same_run(pump: Machine, run: rd.MachineRun) -> None:
     same(rd.read_run(table(run), machine=pump), run)
     same(rd.read_run(pandas.DataFrame(table(run)), machine=pump), run)
-    same(rd.read_run(run.to_frame(), machine=pump), run)
+    again = rd.read_run(run.to_frame(), machine=pump)
+    same(again, run)
+    np.testing.assert_allclose(again.to_frame()["time_s"], run.to_frame()["time_s"], atol=1e-6)
+    assert again.interval_s == pytest.approx(run.interval_s)
 
 
 def test_gaps_of_a_data_frame_are_the_shafts_places(pump: Machine, run: rd.MachineRun) -> None:

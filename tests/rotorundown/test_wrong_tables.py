@@ -12,7 +12,7 @@ import pytest
 import rotorundown as rd
 from estimator.machine.document import Machine
 from rotorundown.run_columns import WrongRun
-from tests.rotorundown.wrong_input import doubled, one_line
+from tests.rotorundown.wrong_input import doubled, one_line, untimed
 
 
 def test_a_column_of_no_channel_is_left_out_and_named(pump: Machine, run: rd.MachineRun) -> None:
@@ -71,7 +71,7 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
 def test_what_cannot_be_a_run_is_one_line(pump: Machine, run: rd.MachineRun, tmp_path: Path, name: str) -> None:
     make, options, words = MISREAD[name]
     with pytest.raises(WrongRun, match=re.escape(words)) as raised:
-        rd.read_run(make(run.to_frame(), tmp_path / "run.csv"), machine=pump, **options)
+        rd.read_run(make(untimed(run), tmp_path / "run.csv"), machine=pump, **options)
     one_line(raised)
 
 
@@ -98,7 +98,7 @@ TAKEN: dict[str, Callable[[Any], Any]] = {
 
 @pytest.mark.parametrize("name", TAKEN)
 def test_a_frame_is_taken_as_people_have_it(pump: Machine, run: rd.MachineRun, name: str) -> None:
-    read = rd.read_run(TAKEN[name](run.to_frame()), machine=pump)
+    read = rd.read_run(TAKEN[name](untimed(run)), machine=pump)
     assert read.speed_rpm == pytest.approx(run.speed_rpm, rel=1e-4)
     assert read.amplitude_um_pp == pytest.approx(run.amplitude_um_pp, rel=2e-3)
     assert (read.recorded.time is not None) is any(word in name for word in ("dates", "durations", "time"))

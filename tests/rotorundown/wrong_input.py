@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import rotorundown as rd
 from tests.paths import EXAMPLES
 
 PUMP = EXAMPLES / "motor-pump.yaml"
@@ -15,6 +16,11 @@ def one_line(raised: pytest.ExceptionInfo[Any]) -> str:
     """The message of an error, which is one line."""
     assert "\n" not in str(raised.value)
     return str(raised.value)
+
+
+def untimed(run: rd.MachineRun) -> Any:
+    """A run as a data frame without times, as an instrument's export often is."""
+    return run.to_frame().drop(columns="time_s")
 
 
 def doubled(frame: Any) -> Any:
