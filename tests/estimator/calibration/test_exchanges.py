@@ -1,5 +1,9 @@
 """Probes or weights that are exchanged in the runs of a calibration: named where the runs show it, and never in right ones."""
 
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -84,15 +88,21 @@ def test_what_cannot_explain_a_refused_calibration_ends_early(monkeypatch: pytes
     runs = [CalibrationRun(f"run-{k}", one, (f"run-{k}",) * one.speed.size, steady=True) for k, one in enumerate(shifted)]
     refused = calibrate(plant.machine, runs)
     assert not refused.accepted
-    passes: list[int] = []
-    monkeypatch.setattr("estimator.calibration.calibrate.descend", lambda *given: passes.append(1) or descend(*given))
-    tried: list[int] = []
-    monkeypatch.setattr(
-        "estimator.calibration.calibrate.with_free_parameters", lambda *given: tried.append(1) or with_free_parameters(*given)
-    )
+    calls: Counter[str] = Counter()
+
+    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
+        def calling(*given: Any) -> Any:
+            calls[function.__name__] += 1
+            return function(*given)
+
+        return calling
+
+    for function in (descend, with_free_parameters):
+        monkeypatch.setattr(f"estimator.calibration.calibrate.{function.__name__}", counted(function))
     assert with_named_senses(plant.machine, runs, refused).verdict == refused.verdict
-    assert len(tried) > 1
-    assert len(passes) <= (SOON + 1) * len(tried)
+    tried = calls["with_free_parameters"]
+    assert tried > 1
+    assert calls["descend"] <= (SOON + 1) * tried
 
 
 def test_only_what_is_far_likelier_is_said() -> None:
