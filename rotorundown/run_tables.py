@@ -23,6 +23,7 @@ from estimator.units import (
     SpeedUnit,
     rad_per_s_to_rpm,
 )
+from formats.recordings.empty_table import empty_table_text
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
@@ -211,8 +212,8 @@ def read_csv_table(path: Path) -> RunTable:
         raise WrongRun(f"{path} is no text in UTF-8: save it as CSV in UTF-8") from None
     except (OSError, csv.Error) as error:
         raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}") from None
-    if len(rows) < 2:
-        raise WrongRun(f"{path} has no rows below a header line")
+    if not any(rows[:1]) or not any(rows[1:]):
+        raise WrongRun(empty_table_text(path))
     header, *body = rows
     separator = next((words for sign, words in OTHER_SEPARATORS.items() if sign in header[0]), None)
     if len(header) == 1 and separator:

@@ -44,6 +44,8 @@ SAMPLES, DURATION_S = 120, 6000.0
 TRIALS, RIGHT_RUNS = 3, 60
 FITTED = 10
 """One of so many right runs is fitted in full whatever coarse fits say."""
+SHOWN_EVERY = 50
+"""Right runs after which progress is printed."""
 MIRRORED = {"rotation", "every pair"}
 """Names of the hypotheses that a mirror image of the train makes the same."""
 
@@ -120,7 +122,11 @@ def _named_rightly(name: str, sent: Sent, seed: int, *, nominal: bool) -> bool:
 
 def _right_runs(count: int) -> Iterator[ReportLine]:
     """Yield on how many right runs a convention is named, with right documents and with wrong ones."""
-    told = [kept_or_computed(f"right run {seed}, coarsely", bool, partial(_coarsely_better, seed)) for seed in range(count)]
+    told: list[bool] = []
+    for seed in range(count):
+        told.append(kept_or_computed(f"right run {seed}, coarsely", bool, partial(_coarsely_better, seed)))
+        if len(told) % SHOWN_EVERY == 0:
+            print(f"    {len(told)} of {count} right runs tried coarsely", file=sys.stderr, flush=True)
     fitted = [seed for seed, better in enumerate(told) if better or seed % FITTED == 0]
     found = [kept_or_computed(f"right run {seed}", tuple[bool, bool], partial(_right_run, seed)) for seed in fitted]
     refused, named = (sum(one[place] for one in found) for place in (0, 1))

@@ -1,5 +1,6 @@
 """Joint calibration of a machine from several runs with known unbalances, in several mountings."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -50,6 +51,12 @@ PASSES, PASSES_OF_OTHERS = 40, 20
 """Most times where they differ by more, for runs as they are stated, and as they may have been meant."""
 ENOUGH = 12
 """Passes from which on a fit ends as soon as it would be refused: those of runs that fit have settled by then."""
+SOON = 4
+"""Passes after which a fit of runs as they may have been meant ends where it can no longer explain them better."""
+STILL_TO_COME = 5.0
+"""Most times the last pass's gain in the logarithm of the likelihood that all later ones bring together [-]."""
+HOPELESS_PART = 1.5
+"""Part of the trial weights' effect by which mountings may differ in a fit of runs as they may have been meant [-]."""
 STEPS = 40
 """Most steps of the fit in each of these."""
 MOST_OF_SWEEPS = (120, 400)
@@ -72,6 +79,7 @@ class Calibrated:
         unique: Whether the best optimum was found twice.
         sizes: Sizes of scatter that the runs showed.
         speeds: Speeds (D,) that the dwells were taken at [rad/s].
+        coarse: Fit of a part of the samples, beside which those of runs as they may have been meant are judged.
     """
 
     machine: Machine
@@ -82,15 +90,38 @@ class Calibrated:
     unique: bool
     sizes: ScatterSizes
     speeds: Floats
+    coarse: "CoarseFit"
+
+
+@dataclass(frozen=True, eq=False)
+class CoarseFit:
+    """Fit of a part of the samples of a calibration's runs.
+
+    Attributes:
+        problem: Its problem, with the sizes of scatter that the samples showed.
+        theta: Its end θ (n,) [-].
+    """
+
+    problem: MountedProblem
+    theta: Floats
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return the logarithm of the likelihood of its samples, but for a constant [-]."""
+        return log_likelihood(self.problem, self.theta)
 
 
 @dataclass(frozen=True)
 class _Effort:
-    """Effort of a fit: samples of sweeps as in `MOST_OF_SWEEPS`, most starts, and most passes for either number of samples."""
+    """Effort of a fit: samples of sweeps as in `MOST_OF_SWEEPS`, most starts, and most passes for either number of samples.
+
+    likelier_than: logarithm of the likelihood that it shall exceed, or it ends as soon as it cannot; None for a whole fit.
+    """
 
     of_sweeps: tuple[int, int]
     starts: int
     passes: int
+    likelier_than: float | None = None
 
 
 @dataclass(frozen=True)
@@ -115,6 +146,7 @@ class _Fitted:
     converged: bool
     first: BestFit
     speeds: Floats
+    coarse: CoarseFit
 
 
 def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0) -> Calibrated:
@@ -159,14 +191,17 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
         The calibration, with what was found in its verdict or, of an accepted one, in its remarks.
     """
     if found.accepted:
-        doubt = _exchanged(machine, runs, seed)
+        doubt = _exchanged(machine, runs, found.coarse, seed)
         return _with_remark(found, doubt) if doubt else found
 
+    stated = found.coarse.log_likelihood
+
     def fits(other: Sequence[CalibrationRun]) -> bool:
-        return _is_accepted(machine, other, seed)
+        return _accepted_fit(machine, other, seed, likelier_than=stated) is not None
 
     discs = [disc.id for disc in machine.discs]
-    meant = explaining_units(discs, runs, fits) or explaining_senses(runs, fits) or _exchanged(machine, runs, seed)
+    meant = explaining_units(discs, runs, fits) or explaining_senses(runs, fits)
+    meant = meant or _exchanged(machine, runs, found.coarse, seed)
     return replace(found, verdict=f"{found.verdict}; {meant}") if meant else found
 
 
@@ -179,31 +214,24 @@ def _with_remark(found: Calibrated, remark: str) -> Calibrated:
     return replace(found, machine=machine, remarks=(*found.remarks, remark))
 
 
-def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> str:
+def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], stated: CoarseFit, seed: int) -> str:
     """Return the exchanges of probes or weights with which accepted fits are far likelier, by a part of the samples."""
-    stated = _tried(machine, runs, seed)
-    if stated is None:
-        return ""
-    before, better = log_likelihood(stated.problem, stated.theta), []
+    before, better = stated.log_likelihood, []
     for exchange in likely_exchanges(machine, stated.problem, stated.theta):
-        tried = _tried(machine, exchange.runs(runs), seed)
-        if tried is not None and _verdict(tried.problem, tried.theta, tried.converged)[0]:
-            better.append((exchange, log_likelihood(tried.problem, tried.theta) - before))
+        fit = _accepted_fit(machine, exchange.runs(runs), seed, likelier_than=before)
+        if fit is not None:
+            better.append((exchange, fit.log_likelihood - before))
     return exchange_text(better, int(np.count_nonzero(stated.problem.used)))
 
 
-def _is_accepted(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> bool:
-    """Return whether other runs calibrate, by a part of the samples of their sweeps."""
-    found = _tried(machine, runs, seed)
-    return found is not None and _verdict(found.problem, found.theta, found.converged)[0]
-
-
-def _tried(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> _Fitted | None:
-    """Return the fit of a part of the samples of runs from few starts; None where none leads anywhere."""
+def _accepted_fit(machine: Machine, runs: Sequence[CalibrationRun], seed: int, *, likelier_than: float) -> CoarseFit | None:
+    """Return the fit of a part of the samples of other runs from few starts; None where it is not accepted or ends early."""
+    effort = _Effort((MOST_OF_SWEEPS[0],) * 2, STARTS_OF_OTHERS, PASSES_OF_OTHERS, likelier_than)
     try:
-        return _fitted(machine, runs, seed, _Effort((MOST_OF_SWEEPS[0],) * 2, STARTS_OF_OTHERS, PASSES_OF_OTHERS))
+        found = _fitted(machine, runs, seed, effort)
     except NO_FIT:
         return None
+    return found.coarse if _verdict(found.problem, found.theta, found.converged)[0] else None
 
 
 def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int) -> Calibrated:
@@ -219,7 +247,9 @@ def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple
     ).model_copy(update={"verdict": "; ".join((verdict, *remarks))})
     document = calibrated_document(machine, found.machine, calibration)
     unique = bool(found.first.unique)
-    return Calibrated(document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds)
+    return Calibrated(
+        document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds, found.coarse
+    )
 
 
 def _fitted(machine: Machine, runs: Sequence[CalibrationRun], seed: int, effort: _Effort) -> _Fitted:
@@ -230,28 +260,35 @@ def _fitted(machine: Machine, runs: Sequence[CalibrationRun], seed: int, effort:
     sizes = scatter.stated
     problem = scatter.applied(problem, sizes)
     first = best_fit(problem, starts=effort.starts, seed=seed, good=lambda _: True, twice=True, passes=0, begin=best_chains)
-    theta, sizes, converged = _settled(problem, scatter, first.fit.theta, sizes, effort.passes)
+    theta, sizes, converged = _settled(problem, scatter, first.fit.theta, sizes, effort)
+    coarse = CoarseFit(scatter.applied(problem, sizes), theta)
     if most.mounting.size > few.mounting.size:
         point = problem.coordinates.point(theta)
         problem, scatter, speeds = _problem(fitted, most)
-        theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes, effort.passes)
+        theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes, effort)
     problem = scatter.applied(problem, sizes)
-    return _Fitted(fitted, held, problem, scatter, theta, sizes, converged, first, speeds)
+    return _Fitted(fitted, held, problem, scatter, theta, sizes, converged, first, speeds, coarse)
 
 
 def _settled(
-    problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes, passes: int
+    problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes, effort: _Effort
 ) -> tuple[Floats, ScatterSizes, bool]:
     """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged.
 
     It ends earlier where mountings differ little beside the weights, so that gains rest on these, and where the runs would be
-    refused after enough passes. What still changes after the last has not converged.
+    refused after enough passes, or can no longer become as likely as is asked. What still changes after the last has not
+    converged.
     """
-    pass_before = None
-    for number in range(1, passes + 1):
+    pass_before, reached = None, -math.inf
+    for number in range(1, effort.passes + 1):
         stated_square = (scatter.stated.eccentricity / sizes.eccentricity) ** 2
         now = with_scatter_bound(scatter.applied(problem, sizes), theta, stated_square=stated_square)
         theta, converged, _ = descend(now, theta, now.weight(np.abs(now.measurement.phasor), 0.0), STEPS)
+        if effort.likelier_than is not None:
+            before, reached = reached, log_likelihood(now, theta)
+            most = reached + STILL_TO_COME * (reached - before)
+            if number >= SOON and (most < effort.likelier_than or now.unexplained_part(theta) > HOPELESS_PART):
+                return theta, sizes, False
         found = scatter.estimated(now, theta, sizes)
         ahead = found.ahead(sizes, pass_before)
         if ahead.is_near(sizes):

@@ -7,19 +7,11 @@ import numpy as np
 from msgspec import Struct
 
 from estimator.arrays import Complexes
+from estimator.calibration.likely_weights import UnlikelyWeight, require_likely_weights
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
-from estimator.machine.parts import Disc
 from estimator.phasors.measurement import Measurement, joined
 
-LARGEST_ECCENTRICITY = 0.01
-"""Shift of a disc's centre of mass [m] beyond which a trial weight is most likely in another unit."""
-LIKELY_ECCENTRICITY = 1e-3
-"""Shift of a disc's centre of mass [m] up to which a trial weight is likely."""
-FACTORS = {"kg m": 1e-6, "kg mm": 1e-3, "oz in": 1e-6 / 7.2008e-4, "g in": 1e-6 / 2.54e-5}
-"""Factor by which a number that was meant in g mm is too large when given in another unit [-]."""
-LEAST_ECCENTRICITY = 1e-6
-"""Shift of a disc's centre of mass [m] from which on a trial weight shows anything."""
 SAME_WEIGHT = 1e-6
 """Part of the largest trial weight up to which two are the same [-]."""
 
@@ -104,27 +96,10 @@ def _check_weights(machine: Machine, run: CalibrationRun) -> None:
         raise CalibrationImpossible(
             f"{run.name} adds to {added.shape[1]} discs, machine '{machine.id}' has {len(machine.discs)}"
         )
-    for disc, size in zip(machine.discs, np.max(np.abs(added), axis=0, initial=0.0), strict=True):
-        eccentricity = float(size) / disc.mass
-        if not np.isfinite(eccentricity) or eccentricity > LARGEST_ECCENTRICITY:
-            raise CalibrationImpossible(
-                f"{run.name}: {size:g} kg m on disc {disc.id} ({disc.mass:g} kg) would move its centre of mass by "
-                f"{eccentricity:.3g} m{_likely_weight_text(disc, float(size))}"
-            )
-
-
-def _likely_weight_text(disc: Disc, size: float) -> str:
-    """Name what the weight would be if its number was meant in g mm."""
-    likely = [
-        (unit, 1e6 * factor * size)
-        for unit, factor in FACTORS.items()
-        if LEAST_ECCENTRICITY <= size * factor / disc.mass <= LIKELY_ECCENTRICITY
-    ]
-    if not likely:
-        return ": is the unit right?"
-    if len(likely) == 1:
-        return f": {likely[0][1]:.3g} g mm is likely, so `unit: g mm`"
-    return f": is `unit: g mm` meant ({', '.join(f'{number:.3g} g mm where {unit} was said' for unit, number in likely)})?"
+    try:
+        require_likely_weights(machine, added, name=run.name)
+    except UnlikelyWeight as error:
+        raise CalibrationImpossible(str(error)) from None
 
 
 def _require_no_copies(runs: Sequence[CalibrationRun]) -> None:

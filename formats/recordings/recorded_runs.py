@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.calibration.calibration_runs import CalibrationRun
+from estimator.calibration.likely_weights import UnlikelyWeight, require_likely_weights
 from estimator.machine.document import Machine
 from estimator.machine.speed_units import outside_speed_range
 from estimator.phasors.measurement import Measurement, joined
@@ -187,6 +188,10 @@ def _with_trial_weights(
     added = np.zeros((run.speed.size, len(discs)), dtype=complex)
     for disc, unbalances in circumstances.added.items():
         added[:, discs.index(disc)] = np.array(unbalances)[taken]
+    try:
+        require_likely_weights(machine, added, name=str(file))
+    except UnlikelyWeight as error:
+        raise UnreadableFile(str(error)) from None
     if circumstances.kind == "sweep" and np.any(np.abs(added - added[:1]) > 0.0):
         raise UnreadableFile(
             f"{file}: trial weights differ from row to row of one sweep; where each row was taken at a constant speed, "

@@ -9,6 +9,7 @@ import numpy as np
 from msgspec import Struct
 
 from formats.files.document_files import UnreadableFile
+from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_plain
 from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
@@ -40,12 +41,11 @@ class RecordedTable(Struct, frozen=True):
             return _measured_table(path)
         try:
             text = decoded(path.read_bytes())
-            rows = [] if is_plain(text) else exported_rows(text)
-            rows = rows or _plain_rows(text)
+            rows = _rows(text) if text.strip() else []
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise UnreadableFile(f"{path}: {error}") from error
         if not rows:
-            raise UnreadableFile(f"{path} has no rows below its header")
+            raise UnreadableFile(empty_table_text(path))
         return cls(path, [row for _, row in rows], [f"line {line}" for line, _ in rows])
 
     def gappy(self, name: str) -> list[float | None]:
@@ -85,6 +85,12 @@ class RecordedTable(Struct, frozen=True):
             return float(text)
         except ValueError:
             raise UnreadableFile(f"{self.path}, {self.places[row]}: '{text}' in column '{name}' is not a number") from None
+
+
+def _rows(text: str) -> list[tuple[int, ExportedRow]]:
+    """Return the rows of a table, as other programs export it or plain, each with the number of its line."""
+    rows = [] if is_plain(text) else exported_rows(text)
+    return rows or _plain_rows(text)
 
 
 def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:

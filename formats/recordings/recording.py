@@ -21,6 +21,7 @@ from estimator.machine.document import Machine, field_path
 from estimator.units import RADIANS
 from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
+from formats.recordings.empty_table import empty_table_text, is_blank
 from formats.recordings.recorded_table import MissingColumn, RecordedTable
 from formats.recordings.sidecar_place import sidecar_of
 from formats.recordings.trial_weights import EXAMPLE, TrialWeight
@@ -181,6 +182,8 @@ def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
     if path.suffix.lower() in SPREADSHEETS:
         raise UnreadableFile(f"{path} is a spreadsheet: save its table as CSV")
     if not beside.exists():
+        if is_blank(path):
+            raise UnreadableFile(empty_table_text(path))
         raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
     sidecar = read_sidecar(beside)
     if sidecar.kind == "sweep" and (sidecar.time is None) == (sidecar.interval_s is None):
@@ -397,7 +400,7 @@ class RecordedCircumstances(Struct, frozen=True):
 
 def read_circumstances(path: Path, sidecar_path: Path | None = None) -> RecordedCircumstances:
     """Return trial weights and mountings of all rows of a recording. Raises UnreadableFile."""
-    sidecar, table = read_sidecar(sidecar_path or sidecar_of(path)), RecordedTable.read(path)
+    sidecar, table = _sidecar_of(path, sidecar_path), RecordedTable.read(path)
     direction = 1 if sidecar.direction == "positive" else -1
 
     def unbalances(weight: TrialWeight) -> list[complex]:

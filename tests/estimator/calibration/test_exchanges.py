@@ -1,14 +1,20 @@
 """Probes or weights that are exchanged in the runs of a calibration: named where the runs show it, and never in right ones."""
 
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from benchmarks.calibration.rotor_kit import kit
 from benchmarks.calibration.simulated_kit import SimulatedKit
-from estimator.calibration.calibrate import Calibrated, calibrate, with_named_senses
+from estimator.calibration.calibrate import SOON, Calibrated, calibrate, with_named_senses
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.calibration.exchanges import CLEAR, Exchange, exchange_text
+from estimator.calibration.undetermined import with_free_parameters
+from estimator.fit.optimisation.maximum_likelihood import descend
 from estimator.machine.document import Machine
 
 MIRRORED = ("P1X, P1Y and P2X, P2Y", "the weights of D1 and D2")
@@ -68,6 +74,35 @@ def test_a_refused_calibration_says_which_exchange_explains_it() -> None:
     found = told(plant.machine, runs)
     assert not found.accepted
     assert "the weights of D1 and D2" in found.verdict.partition("; the runs fit")[2]
+
+
+def test_what_cannot_explain_a_refused_calibration_ends_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each loaded run has the weights of the next: no sense and no exchange can explain that."""
+    plant = SimulatedKit(0)
+    weights = [plant.trial(number) for number in range(8)]
+    measured = [plant.run(one) for one in weights]
+    shifted = [
+        measured[0],
+        *(replace(a, added=b.added) for a, b in zip(measured[1:], [*measured[2:], measured[1]], strict=True)),
+    ]
+    runs = [CalibrationRun(f"run-{k}", one, (f"run-{k}",) * one.speed.size, steady=True) for k, one in enumerate(shifted)]
+    refused = calibrate(plant.machine, runs)
+    assert not refused.accepted
+    calls: Counter[str] = Counter()
+
+    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
+        def calling(*given: Any) -> Any:
+            calls[function.__name__] += 1
+            return function(*given)
+
+        return calling
+
+    for function in (descend, with_free_parameters):
+        monkeypatch.setattr(f"estimator.calibration.calibrate.{function.__name__}", counted(function))
+    assert with_named_senses(plant.machine, runs, refused).verdict == refused.verdict
+    tried = calls["with_free_parameters"]
+    assert tried > 1
+    assert calls["descend"] <= (SOON + 1) * tried
 
 
 def test_only_what_is_far_likelier_is_said() -> None:

@@ -128,7 +128,7 @@ def test_a_measured_run_up_can_be_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        ((), "no rows below its header"),
+        ((), "no rows below a header line"),
         ((ROWS[0], "0.5,fast,101,31,51,-21"), "line 3: 'fast' in column 'rpm' is not a number"),
         ((ROWS[0], "0.5,,101,31,51,-21"), "line 3: column 'rpm' has no value"),
         ((ROWS[0], ROWS[1], "1.25,2970,102"), "line 4 is too short: it has no column 'size_2'"),

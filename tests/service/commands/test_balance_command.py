@@ -111,7 +111,7 @@ def test_a_check_run_with_other_weights_is_not_said_to_keep_the_promise(runs: li
 def test_a_check_run_in_another_unit_or_that_came_before_is_refused(runs: list[str], tmp_path: Path) -> None:
     heavy = {"D1": {"amount": 100.0, "unit": "kg m", "angle_deg": 0.0}}
     check = recorded(tmp_path, "check", {}, seed=20, added_unbalance=heavy)
-    assert "check: 100 kg m on D1 would move the centre of mass" in run("balance", *runs, "--check", check, status=1)
+    assert "100 kg m on disc D1 (2 kg) would move its centre of mass" in run("balance", *runs, "--check", check, status=1)
     told = run("balance", *runs, "--check", runs[2], status=1)
     assert "trial-D1 holds the same vectors as trial-D1: a check run is a run of its own" in told
     assert "initial holds the same vectors as initial" in run("balance", *runs, "--check", runs[1], status=1)
@@ -164,8 +164,8 @@ def test_runs_whose_weights_are_missing_or_copied_are_named(runs: list[str], tmp
     heavy = recorded(tmp_path, "heavy", {"D1": (100.0, 0.0)}, seed=5)
     (tmp_path / "heavy.yaml").write_text((tmp_path / "heavy.yaml").read_text().replace("unit: g mm", "unit: kg m"))
     told = run("balance", runs[0], runs[1], heavy, status=1)
-    assert "100 kg m on D1 would move the centre of mass" in told
-    assert "100 g mm are 0.0001 kg m" in told
+    assert "100 kg m on disc D1 (2 kg) would move its centre of mass" in told
+    assert "100 g mm is likely, so `unit: g mm`" in told
     assert "1 of 4 planes" not in run("balance", *runs[:3]), "one trial is enough for one plane"
 
 

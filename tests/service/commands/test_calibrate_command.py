@@ -148,6 +148,27 @@ def test_wrong_runs_are_named(tmp_path: Path, sidecar: dict[str, Any], words: st
     assert not (tmp_path / "none.yaml").exists()
 
 
+@pytest.mark.parametrize("command", ["check", "identify"])
+def test_a_weight_in_an_unlikely_unit_is_named_before_a_calibration(tmp_path: Path, command: str) -> None:
+    weights = {"D1": {"amount": "U1_gmm", "unit": "kg m", "angle_deg": "U1_deg"}}
+    file = recording(tmp_path, "wrong", held=False, added_unbalance=weights)
+    words = "60 kg m on disc D1 (0.8 kg) would move its centre of mass by 75 m: 60 g mm is likely, so `unit: g mm`"
+    assert words in run(command, DOCUMENT, file, status=1)
+
+
+@pytest.mark.parametrize("beside", [True, False], ids=["with a sidecar", "without"])
+@pytest.mark.parametrize("content", ["", "\n \n"], ids=["no byte", "blank lines"])
+def test_an_empty_recording_is_named_by_every_command(tmp_path: Path, content: str, beside: bool) -> None:
+    file = recording(tmp_path, "empty", held=False)
+    Path(file).write_text(content)
+    if not beside:
+        Path(file).with_suffix(".yaml").unlink()
+    words = f"{file} is empty: the first line names the columns, each line below holds one sample"
+    for arguments in (("check", DOCUMENT, file), ("calibrate", DOCUMENT, file), ("identify", DOCUMENT, file)):
+        assert words in run(*arguments, status=1)
+    assert words in run("balance", DOCUMENT, file, file, status=1)
+
+
 def test_a_file_that_is_given_twice_or_copied_is_no_further_run(tmp_path: Path) -> None:
     first = recording(tmp_path, "first", held=False)
     assert "first.csv and first.csv hold the same samples: one is a copy" in run("calibrate", DOCUMENT, first, first, status=1)
