@@ -54,7 +54,10 @@ def test_an_empty_file_and_one_with_semicolons(run: rd.MachineRun, tmp_path: Pat
     empty, other = tmp_path / "empty.csv", tmp_path / "semicolons.csv"
     empty.touch()
     run.to_frame().to_csv(other, index=False, sep=";", decimal=",")
-    for file, words in ((empty, "has no rows"), (other, "write it with commas, and numbers with a decimal point")):
+    for file, words in (
+        (empty, "is empty: the first line names the columns"),
+        (other, "write it with commas, and numbers with a decimal point"),
+    ):
         ended = invoked("identify", str(PUMP), str(file))
         assert (ended.exit_code, len(ended.stderr.splitlines())) == (1, 1)
         assert words in ended.stderr
