@@ -49,7 +49,7 @@ class OverCouplings(Generic[TrainState]):
     Attributes:
         fitted: What the fit left known.
         central: TrainState at the estimate.
-        lines: For each open principal stiffness the weights of its points and what is expected there.
+        lines: For each open principal stiffness the weights of its points [-] and what is expected there.
     """
 
     fitted: FittedNumbers

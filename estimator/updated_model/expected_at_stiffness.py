@@ -1,4 +1,4 @@
-"""What data and prior expect of a train's other numbers where a coupling is of another stiffness than a fit found.
+"""Expectations of data and prior about a train's other numbers where a coupling is of another stiffness than a fit found.
 
 A fit ends with a covariance about its estimate. Its information is that of the prior, which is on the numbers themselves, and
 that of the data, which see elevations of bearings by nothing but the forces of the films. At another stiffness the prior
@@ -46,7 +46,7 @@ class Prediction:
 
 @dataclass(frozen=True)
 class FittedNumbers:
-    """What a fit left known of P numbers.
+    """Knowledge of P numbers that a fit left.
 
     Attributes:
         names: Names of the P numbers; those of couplings are logarithms of stiffnesses.
@@ -74,7 +74,10 @@ class FittedNumbers:
 
     @cached_property
     def factor(self) -> Floats:
-        """Return a factor (P, r) of the covariance: the numbers are its product with r of unit variance."""
+        """Return a factor (P, r) of the covariance: the numbers are its product with r of unit variance [-].
+
+        Source: standard result: eigenvectors times the roots of the eigenvalues.
+        """
         size = np.sqrt(np.diag(self.covariance))
         unit = np.where(size > 0.0, size, 1.0)
         spread, axes = np.linalg.eigh(self.covariance / np.outer(unit, unit))
@@ -97,7 +100,7 @@ class FittedNumbers:
 
 @dataclass(frozen=True)
 class Expected(Generic[TrainState]):
-    """What is expected of a train at one stiffness of its couplings.
+    """Expectation of a train at one stiffness of its couplings.
 
     Attributes:
         values: The numbers (n,), those of the fit first [-].
@@ -121,7 +124,7 @@ class ExpectedAtStiffness(Generic[TrainState]):
         reach: Callable[[Floats], TrainState | None],
         seen: Callable[[TrainState], Prediction],
     ) -> None:
-        """Split what is known into that of the data and that of the prior (see the module).
+        """Separate the information of the data from that of the prior (see the module).
 
         Args:
             fitted: What the fit left known.
@@ -142,6 +145,8 @@ class ExpectedAtStiffness(Generic[TrainState]):
 
     def at(self, along: Floats, distance: float) -> Expected[TrainState] | None:
         """Return what is expected where a principal stiffness is some way from its estimate.
+
+        Source: own derivation: Gauss-Newton steps of data and prior at one stiffness, in the summary above.
 
         Args:
             along: The direction (r,), of unit length, among the numbers of unit variance [-].

@@ -44,6 +44,9 @@ class FilmsOverCouplings:
 def films_over_couplings(model: UpdatedModel) -> FilmsOverCouplings | None:
     """Find the states of a train's films at running speed; those of the last models are remembered (`over_couplings`).
 
+    Source: standard result: of a Gaussian prior's covariance, the part of some numbers is theirs whatever the others are
+    (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. A.2).
+
     Args:
         model: The updated model.
 

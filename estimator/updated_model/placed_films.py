@@ -1,4 +1,4 @@
-"""Where the films of a train stand among the coordinates of a fit, and what the fit knows of their numbers."""
+"""Place of a train's films among the coordinates of a fit, and the covariance of their numbers."""
 
 import numpy as np
 from numpy.typing import NDArray
