@@ -5,14 +5,9 @@ Highest specific pressure: white metal of lead or tin, ISO 7902-3:2020, 5 MPa.
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from estimator.machine.bearings_on_films import bearings_on_films
-from estimator.machine.film_speeds import reported_rpm
-from estimator.statics.journal_states import journal_states
-from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.bearing_loads import bearing_loads
-from estimator.updated_model.film_results import covariance_of, placed_films
+from estimator.updated_model.films_over_couplings import films_over_couplings
 from estimator.updated_model.model import UpdatedModel
 
 HIGHEST_PRESSURE = 5e6
@@ -45,19 +40,10 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
     Returns:
         The loads, bearing by bearing; none of a train whose coefficients do not follow from films, or without equilibrium.
     """
-    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
-    coordinates = model.coordinates_at(speed)
-    found = placed_films(coordinates)
-    if found is None:
+    films = films_over_couplings(model)
+    if films is None:
         return ()
-    placed, films = found
-    fitted = placed.own(coordinates.theta(model.values))
-    states = journal_states(films, fitted, speed=speed)
-    if states is None:
-        return ()
-    count = films.own.count
-    covariance = covariance_of(placed, model, coordinates)[:count, :count]
-    loads = bearing_loads(films, states, fitted=fitted, speed=speed, covariance=covariance)
+    loads = bearing_loads(films)
     return tuple(
         FilmLoad(
             bearing=bearing.id,

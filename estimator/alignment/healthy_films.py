@@ -21,8 +21,8 @@ from estimator.machine.document import Machine
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import ParameterDescription, describe
 from estimator.statics.film_deviations import SHARED
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import placed_films
 
 DEVIATION = "_deviation"
 """Middle of the names of films' deviations, behind the term that deviates."""

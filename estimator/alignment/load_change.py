@@ -16,8 +16,8 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import placed_films
 from estimator.updated_model.uncertainty import standard_errors
 
 AXES = (("horizontal", 0), ("vertical", 1))

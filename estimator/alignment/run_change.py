@@ -24,8 +24,8 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.film_parameter_names import unknown_forces, with_open_forces
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel, model_at
+from estimator.updated_model.placed_films import placed_films
 from estimator.updated_model.uncertainty import standard_errors
 
 NEGLIGIBLE = 1e-14

@@ -11,8 +11,8 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.machine.alignment_rules import HealthyVariation
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import placed_films
 
 FOLLOWING = ("slow_viscosity", "slow_clearance")
 """Numbers of the variation over the seasons that are stated for one whose oil is as far off as `slow_oil`."""

@@ -12,8 +12,8 @@ from estimator.arrays import Floats
 from estimator.rotor.parameter_names import ALIGNMENT_UNITS
 from estimator.statics.alignment import coupling_alignments
 from estimator.statics.film_parameters import NUMBERS, FilmParameters
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import placed_films
 from estimator.updated_model.uncertainty import standard_errors
 
 PLANES = (("vertical", "elevation_y"), ("horizontal", "elevation_x"))

@@ -2,20 +2,21 @@
 
 A load is nearly the product of a coupling's stiffness and of how high bearings stand. Where both are open, its derivatives at
 the estimate do not hold over the stiffness's own interval. Value and variance are averaged over three points of the logarithm
-of the stiffness, the estimate and √3 standard deviations to either side, with all other numbers as expected there: a
-Gauss-Hermite rule, exact for polynomials of the fifth degree (Abramowitz and Stegun, Handbook of Mathematical Functions, 1964,
-25.4.46). At each point the other numbers count to first order (JCGM 100:2008, 5.2); the variance is the mean of those at the
-points and the variance between them.
+of the stiffness, the estimate and √3 standard deviations to either side, with all other numbers as data and prior expect them
+there (`expected_at_stiffness`): a Gauss-Hermite rule, exact for polynomials of the fifth degree (Abramowitz and Stegun,
+Handbook of Mathematical Functions, 1964, 25.4.46). At each point the other numbers count to first order (JCGM 100:2008, 5.2);
+the variance is the mean of those at the points and the variance between them.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import sqrt
+from typing import Generic
 
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.machine.parameter_description import describe
+from estimator.updated_model.expected_at_stiffness import Expected, ExpectedAtStiffness, FittedNumbers, Prediction, TrainState
 from estimator.updated_model.uncertainty import standard_errors
 
 OPEN = 0.2
@@ -26,19 +27,6 @@ small by the factor exp(-σ²): 4 % here, with which 94.0 % of 95 % intervals ho
 """
 DISTANCES = (sqrt(3.0), 1.0)
 """Distances of the points in standard deviations [-]; the shorter where a train has no equilibrium at the longer ones."""
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """Numbers that follow from the fitted ones.
-
-    Attributes:
-        value: Values (m,) [any unit].
-        slope: Derivatives (m, P) of them by the fitted numbers [that unit].
-    """
-
-    value: Floats
-    slope: Floats
 
 
 @dataclass(frozen=True)
@@ -54,64 +42,90 @@ class Averaged:
     error: Floats
 
 
-Predict = Callable[[Floats], Prediction | None]
-"""Function of the fitted numbers (P,) that predicts; None where a train has no equilibrium."""
+@dataclass(frozen=True)
+class OverCouplings(Generic[TrainState]):
+    """States of a train at its estimate and over the stiffness of its open couplings.
+
+    Attributes:
+        fitted: What the fit left known.
+        central: TrainState at the estimate.
+        lines: For each open principal stiffness the weights of its points [-] and what is expected there.
+    """
+
+    fitted: FittedNumbers
+    central: TrainState
+    lines: tuple[tuple[tuple[float, Expected[TrainState]], ...], ...]
+
+    def averaged(self, predict: Callable[[Floats, TrainState], Prediction]) -> Averaged:
+        """Compute a prediction's mean and error over the stiffness that is open (Abramowitz and Stegun, 1964, 25.4.46).
+
+        Several open stiffnesses are taken one at a time; what each adds to the mean and to the variance of first order is
+        summed, to the variance nothing less than zero. It is first order where none is open.
+
+        Args:
+            predict: Function of all fitted numbers (n,) and of the train's state with them that predicts.
+
+        Returns:
+            Means and standard errors.
+        """
+        central = predict(self.fitted.values, self.central)
+        first_order = standard_errors(central.slope, self.fitted.covariance) ** 2
+        value, variance = central.value.copy(), first_order.copy()
+        for line in self.lines:
+            weight = np.array([weight for weight, _ in line])
+            found = [predict(one.values, one.state) for _, one in line]
+            within = [standard_errors(one.slope, at.covariance) ** 2 for one, (_, at) in zip(found, line, strict=True)]
+            values = np.stack([one.value for one in found])
+            mean = weight @ values
+            value += mean - central.value
+            variance += np.maximum(weight @ (np.stack(within) + (values - mean) ** 2) - first_order, 0.0)
+        return Averaged(value, np.sqrt(variance))
 
 
-def averaged_over_couplings(
-    predict: Predict, central: Prediction, *, names: Sequence[str], fitted: Floats, covariance: Floats
-) -> Averaged:
-    """Compute a prediction's mean and error over couplings' stiffness that is open (Abramowitz and Stegun, 1964, 25.4.46).
+def over_couplings(
+    fitted: FittedNumbers,
+    central: TrainState,
+    *,
+    reach: Callable[[Floats], TrainState | None],
+    seen: Callable[[TrainState], Prediction],
+) -> OverCouplings[TrainState]:
+    """Find a train's states over the stiffness of its open couplings (Abramowitz and Stegun, 1964, 25.4.46).
 
-    Several open stiffnesses are taken along the principal axes of their covariance, one at a time; what each adds to the mean
-    and to the variance of first order is summed, to the variance nothing less than zero. It is first order where none is open,
-    or where there is no equilibrium to both sides.
+    Several open stiffnesses are taken along the principal axes of their covariance. One along which there is no equilibrium to
+    both sides has no points.
 
     Args:
-        predict: Function of all fitted numbers, of which the first P are those of the covariance.
-        central: What it predicts at the estimate.
-        names: Names of the P numbers; those of couplings are logarithms of stiffnesses.
-        fitted: The estimate (n,), P numbers first [-].
-        covariance: Covariance (P, P) [-].
+        fitted: What the fit left known.
+        central: TrainState at the estimate.
+        reach: Function of all fitted numbers (n,) that returns the state; None where the train has no equilibrium.
+        seen: Function of a state that returns the forces by which data see how high bearings stand.
 
     Returns:
-        Means and standard errors.
+        The states.
     """
-    first_order = standard_errors(central.slope, covariance) ** 2
-    value, variance = central.value.copy(), first_order.copy()
-    for along in _open_directions(names, covariance):
-        found = _over_points(predict, central, fitted=fitted, along=along, covariance=covariance)
-        if found is not None:
-            value += found[0] - central.value
-            variance += np.maximum(found[1] - first_order, 0.0)
-    return Averaged(value, np.sqrt(variance))
+    directions = list(_open_directions(fitted))
+    if not directions:
+        return OverCouplings(fitted, central, ())
+    expected = ExpectedAtStiffness(fitted, central, reach=reach, seen=seen)
+    lines = (_points(expected, along) for along in directions)
+    return OverCouplings(fitted, central, tuple(line for line in lines if line))
 
 
-def _open_directions(names: Sequence[str], covariance: Floats) -> Iterator[Floats]:
-    """Yield the expected change (P,) of all numbers with one standard deviation of each open principal stiffness."""
-    places = [place for place, name in enumerate(names) if describe(name).element_kind == "coupling"]
-    spreads, axes = np.linalg.eigh(covariance[np.ix_(places, places)])
+def _open_directions(fitted: FittedNumbers) -> Iterator[Floats]:
+    """Yield the direction (r,) of each open principal stiffness among the fit's numbers of unit variance."""
+    places = fitted.stiffnesses
+    spreads, axes = np.linalg.eigh(fitted.covariance[np.ix_(places, places)])
     for spread, axis in zip(spreads.tolist(), axes.T, strict=True):
         if spread > OPEN**2:
-            yield covariance[:, places] @ axis / sqrt(spread)
+            yield fitted.factor[places].T @ axis / sqrt(spread)
 
 
-def _over_points(
-    predict: Predict, central: Prediction, *, fitted: Floats, along: Floats, covariance: Floats
-) -> tuple[Floats, Floats] | None:
-    """Return mean and variance over three points of one stiffness; None where no two of them have an equilibrium."""
-    rest = covariance - np.outer(along, along)
+def _points(expected: ExpectedAtStiffness[TrainState], along: Floats) -> tuple[tuple[float, Expected[TrainState]], ...]:
+    """Return three points of one stiffness with their weights; none where there is no equilibrium to both sides."""
+    middle = expected.at(along, 0.0)
     for distance in DISTANCES:
-        sides = [predict(_moved(fitted, sign * distance * along)) for sign in (-1.0, 1.0)]
-        points = [central, *(one for one in sides if one is not None)]
-        if len(points) == 1 + len(sides):
-            weight = np.array([1.0 - distance**-2, 0.5 * distance**-2, 0.5 * distance**-2])
-            values = np.stack([one.value for one in points])
-            within = np.stack([np.sum((one.slope @ rest) * one.slope, axis=-1) for one in points])
-            mean = weight @ values
-            return mean, weight @ (within + (values - mean) ** 2)
-    return None
-
-
-def _moved(fitted: Floats, by: Floats) -> Floats:
-    return np.concatenate([fitted[: by.size] + by, fitted[by.size :]])
+        low, high = expected.at(along, -distance), expected.at(along, distance)
+        if middle is not None and low is not None and high is not None:
+            beside = 0.5 * distance**-2
+            return (1.0 - 2 * beside, middle), (beside, low), (beside, high)
+    return ()

@@ -11,17 +11,16 @@ import numpy as np
 
 from estimator.arrays import Bools, Floats
 from estimator.bearings.terms import LATERAL, Term
-from estimator.fit.problem.coordinates import Coordinates
-from estimator.fit.problem.placed_models import PlacedModel
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.film_speeds import reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
-from estimator.statics.film_model import FilmModel
-from estimator.statics.journal_states import JournalStates, journal_states
+from estimator.statics.journal_states import JournalStates
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.bearing_loads import bearing_loads
+from estimator.updated_model.films_over_couplings import films_over_couplings
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import covariance_among, placed_films
 from estimator.updated_model.uncertainty import standard_errors
 
 
@@ -57,40 +56,22 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     Returns:
         The numbers, bearing by bearing; none of a train whose coefficients do not follow from films.
     """
-    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
-    coordinates = model.coordinates_at(speed)
-    with_films = placed_films(coordinates)
-    if with_films is None:
+    films = films_over_couplings(model)
+    if films is None:
         return ()
-    placed, films = with_films
-    theta = coordinates.theta(model.values)
-    states = journal_states(films, placed.own(theta), speed=speed)
-    if states is None:
-        return ()
-    own = covariance_of(placed, model, coordinates)[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
+    states = films.states.central
     on_films = {one.number for one in bearings_on_films(model.machine.bearings)}
-    loads = bearing_loads(films, states, fitted=placed.own(theta), speed=speed, covariance=own)
+    loads = bearing_loads(films)
     found = list(_coefficients(model))
     for number, bearing in enumerate(model.machine.bearings):
         for axis, name in ((1, "load_vertical"), (0, "load_horizontal")):
             load, error = float(loads.value[number, axis]), float(loads.error[number, axis])
             found.append(FilmResult(f"bearing.{bearing.id}.{name}", UNITS["force"], load, error))
         if number in on_films:
-            found += _journal(f"bearing.{bearing.id}", states, number, films.own.place(number, "clearance"), own)
+            clearance = films.model.own.place(number, "clearance")
+            found += _journal(f"bearing.{bearing.id}", states, number, clearance, films.covariance)
     order = {f"bearing.{one.id}": number for number, one in enumerate(model.machine.bearings)}
     return tuple(sorted(found, key=lambda one: order[describe(one.name).element]))
-
-
-def placed_films(coordinates: Coordinates) -> tuple[PlacedModel, FilmModel] | None:
-    """Find the model of the films among those that a fit's coordinates belong to.
-
-    Args:
-        coordinates: Coordinates of the fit.
-
-    Returns:
-        The model with its place, and as what it is; None of a train whose coefficients do not follow from films.
-    """
-    return next(((one, one.model) for one in coordinates.models if isinstance(one.model, FilmModel)), None)
 
 
 @dataclass(frozen=True)
@@ -134,28 +115,13 @@ def uncertain_coefficients(model: UpdatedModel, *, speed: Floats) -> Iterator[Un
     placed, films = with_films
     theta = coordinates.theta(model.values)
     value = placed.values(theta)
-    error = standard_errors(placed.derivatives(theta, slice(None)), covariance_of(placed, model, coordinates))
+    error = standard_errors(placed.derivatives(theta, slice(None)), covariance_among(placed.numbers, model, coordinates))
     column = {name: c for c, name in enumerate(films.coefficients)}
     for bearing in bearings_on_films(model.machine.bearings):
         for term in LATERAL:
             c, *beside = (column[f"bearing.{bearing.id}.{one}"] for one in (term.name, *term.beside))
             size = np.sqrt(np.abs(value[:, beside].prod(axis=1)))
             yield UncertainCoefficient(bearing.id, term, value[:, c], error[:, c], size)
-
-
-def covariance_of(placed: PlacedModel, model: UpdatedModel, coordinates: Coordinates) -> Floats:
-    """Return the covariance of a placed model's own parameters.
-
-    Args:
-        placed: The model with its place among the coordinates.
-        model: The updated model.
-        coordinates: Its coordinates.
-
-    Returns:
-        Covariance (n, n) of the n parameters [-].
-    """
-    unit = coordinates.unit[placed.numbers]
-    return np.asarray(model.covariance[np.ix_(placed.numbers, placed.numbers)] / np.outer(unit, unit))
 
 
 def _coefficients(model: UpdatedModel) -> Iterator[FilmResult]:

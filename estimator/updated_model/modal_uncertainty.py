@@ -46,6 +46,8 @@ def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed:
         Derivatives (k, n) [rad/s per unit of the coordinate].
     """
     speeds = np.broadcast_to(np.asarray(speed, dtype=float), found.eigenvalue.shape)
+    if speeds.size == 0:  # a stiff train has no mode in reach: curves over speed want a speed
+        return np.zeros((0, model.values.size), dtype=complex)
     coordinates = model.coordinates_at(speeds)
     theta = coordinates.theta(model.values)
     coefficients = coordinates.coefficients(theta)

@@ -16,8 +16,8 @@ from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.statics.journal_states import journal_states
 from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import placed_films
 
 ACROSS = 0.2
 """Least sine of the angle between the axes of two probes that tell x from y [-]."""

@@ -9,15 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.machine.film_speeds import reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.rotor.parameter_names import STATIC_LOAD_UNITS
 from estimator.statics.coupling_balance import CouplingBalance, coupling_balances
 from estimator.statics.film_model import FilmModel
-from estimator.statics.journal_states import JournalStates, journal_states
-from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.averaged_over_couplings import Prediction, averaged_over_couplings
-from estimator.updated_model.film_results import FilmResult, covariance_of, placed_films
+from estimator.statics.journal_states import JournalStates
+from estimator.updated_model.expected_at_stiffness import Prediction
+from estimator.updated_model.film_results import FilmResult
+from estimator.updated_model.films_over_couplings import films_over_couplings
 from estimator.updated_model.model import UpdatedModel
 
 PLANES = ("horizontal", "vertical")
@@ -33,30 +32,11 @@ def static_coupling_loads(model: UpdatedModel) -> tuple[FilmResult, ...]:
     Returns:
         Shears [N] and moments [N m], coupling by coupling; none of a train whose coefficients do not follow from films.
     """
-    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
-    coordinates = model.coordinates_at(speed)
-    found = placed_films(coordinates)
-    if found is None:
-        return ()
-    placed, films = found
-    fitted = placed.own(coordinates.theta(model.values))
-    states = journal_states(films, fitted, speed=speed)
-    if states is None:
+    films = films_over_couplings(model)
+    if films is None:
         return ()
     balances = coupling_balances(model.machine)
-
-    def at(other: Floats) -> Prediction | None:
-        found = journal_states(films, other, speed=speed)
-        return None if found is None else _predicted(balances, films, found, other)
-
-    count = films.own.count
-    loads = averaged_over_couplings(
-        at,
-        _predicted(balances, films, states, fitted),
-        names=[one.name for one in films.own.parameters],
-        fitted=fitted,
-        covariance=covariance_of(placed, model, coordinates)[:count, :count],
-    )
+    loads = films.states.averaged(lambda fitted, states: _predicted(balances, films.model, states, fitted))
     names = [
         f"coupling.{one.coupling}.static_{what}_{plane}"
         for one in balances

@@ -7,8 +7,8 @@ import numpy as np
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.statics.journal_states import journal_states
 from estimator.units import METRES, RAD_PER_S
-from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.placed_films import placed_films
 from rotorundown.plots.canvas import FITTED, figure
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from estimator.arrays import Floats
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.statics.journal_states import journal_states
 from estimator.units import METRES
-from estimator.updated_model.film_results import placed_films
+from estimator.updated_model.placed_films import placed_films
 from service.identification.stored_model import Identified
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, segment, svg
 from service.wording.language import ENGLISH, Language

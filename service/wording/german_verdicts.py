@@ -103,6 +103,20 @@ VERDICTS: Mapping[str, str] = {
         "Standardfehler): Vertrauensbereiche sind verbreitert"
     ),
     (
+        "the data want {quantity} of the exact table of {element} to be off by {size} % ({errors} standard errors): state the "
+        "table's coefficients as they are, or its scale_spread"
+    ): (
+        "die Daten verlangen {quantity} der exakten Tabelle von {element} um {size} % verändert ({errors} Standardfehler): "
+        "die Koeffizienten der Tabelle angeben, wie sie sind, oder ihr scale_spread"
+    ),
+    (
+        "the data want {quantity} of the exact table of {element} to be off by {size} % ({errors} standard errors): intervals "
+        "are widened"
+    ): (
+        "die Daten verlangen {quantity} der exakten Tabelle von {element} um {size} % verändert ({errors} Standardfehler): "
+        "Vertrauensbereiche sind verbreitert"
+    ),
+    (
         "the table of {element} seems off by {size} %, more than its scale_spread of {spread} % says: intervals are widened "
         "(state its coefficients, or its spread, as they are)"
     ): (

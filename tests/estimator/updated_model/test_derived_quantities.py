@@ -6,19 +6,21 @@ from msgspec.structs import replace
 
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification
-from estimator.machine.document import Machine
+from estimator.machine.document import Machine, parse_machine
 from estimator.machine.rules import Noise, Operation
 from estimator.phasors.harmonic_ratio import Orders
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.amplification import peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.critical_speed_tracking import followed_crossings
-from estimator.updated_model.derived_quantities import Derived, derived_quantities
+from estimator.updated_model.derived_quantities import Derived, derived_quantities, model_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
 from estimator.updated_model.uncertainty import standard_errors
 from tests.estimator.models import model_of, rich_model
 from tests.estimator.rigid_rotor import MASS, STIFFNESS, rigid_rotor
 from tests.estimator.trains import chapter_3
+from tests.film_plant.documents import film_document
+from tests.film_plant.plants import motor_compressor_plant
 
 TOP = 250.0
 """Highest speed of the made-up identifications [rad/s]."""
@@ -192,3 +194,11 @@ def test_the_sense_of_rotation_is_that_of_the_runs() -> None:
     )
     assert forward != backward
     assert derived_quantities(model.machine, outcome(model))[0].value == forward
+
+
+def test_a_train_on_films_that_runs_far_below_its_critical_speeds_has_all_other_quantities() -> None:
+    """Its curves over speed were asked at no speed, and the identification of a stiff pump ended with an error."""
+    said = film_document(motor_compressor_plant(0)) | {"speed_range": {"minimum_rpm": 300.0, "maximum_rpm": 900.0}}
+    names = [one.name for one in model_quantities(expected_model(parse_machine(said)), speed=90.0)]
+    assert not any(name.startswith("critical_speed") for name in names)
+    assert {"bearing.B1.kxx@900rpm", "bearing.B4.load_vertical", "coupling.C1.static_shear_vertical"} <= set(names)

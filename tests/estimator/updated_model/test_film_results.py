@@ -14,8 +14,9 @@ from estimator.statics.film_model import film_model
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.bearing_loads import WEIGHT_ERROR
 from estimator.updated_model.derived_quantities import model_quantities
-from estimator.updated_model.film_results import FilmResult, film_results, placed_films
+from estimator.updated_model.film_results import FilmResult, film_results
 from estimator.updated_model.model import UpdatedModel, expected_model
+from estimator.updated_model.placed_films import placed_films
 from tests.estimator.models import rich_model
 from tests.estimator.statics.test_film_model import document
 from tests.estimator.updated_model.propagation import propagated

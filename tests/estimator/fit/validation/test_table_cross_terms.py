@@ -18,13 +18,23 @@ WANTED = re.compile(
 )
 
 
-def found_by(factor: float, *, noise: float, seed: int = 1, term: str = "kxy") -> Identification:
-    """Identify Chapter 3 on tables that may be 15 % off, where one cross-coupled term at B2 is its table's times a factor."""
-    document = tabulated(0.15) | {"noise": {"relative": noise, "floor": 1e-9}}
+OF_EXACT = re.compile(
+    r"the data want (k..|c..) of the exact table of (bearing\.B\d) to be off by (\S+) % \((\S+) standard errors\)"
+)
+
+
+def found_by(
+    factor: float, *, noise: float, seed: int = 1, term: str = "kxy", spread: float = 0.15, drawn: float = 0.1
+) -> Identification:
+    """Identify Chapter 3 on tables that may be 15 % off, where one term at B2 is its table's times a factor.
+
+    spread: how far tables may be off [-]. drawn: how far they are [-].
+    """
+    document = tabulated(spread) | {"noise": {"relative": noise, "floor": 1e-9}}
     true = deepcopy(document)
     table = true["bearings"][1]["speed_dependence"]
     table[term] = (factor * np.array(table[term])).tolist()
-    phasor = noisy(truth_phasors(true, drawn_factors(0.1, seed)), seed=seed, relative=noise)
+    phasor = noisy(truth_phasors(true, drawn_factors(drawn, seed)), seed=seed, relative=noise)
     return identify(parse_machine(document), Measurement.of(speed=SPEED, phasor=phasor, direction=1))
 
 
@@ -54,3 +64,20 @@ def test_nothing_is_said_of_terms_that_go_with_the_factors() -> None:
         found = found_by(1.0, noise=0.05, seed=seed)
         assert found.accepted, found.verdict
         assert WANTED.search(found.verdict) is None
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_term_of_an_exact_table_that_is_off_is_named_and_refuses_the_fit(seed: int) -> None:
+    """With cxy half as large again, a fit of seed 1 was accepted with unbalances off by 3 standard errors."""
+    found = found_by(1.5, noise=0.05, seed=seed, term="cxy", spread=0.0, drawn=0.0)
+    assert not found.accepted
+    told = OF_EXACT.search(found.verdict)
+    assert told is not None, found.verdict
+    assert told.groups()[:2] == ("cxy", "bearing.B2")
+    assert float(told[3]) == pytest.approx(50.0, rel=0.3)
+
+
+def test_exact_tables_that_are_right_are_accepted() -> None:
+    for seed in range(4):
+        found = found_by(1.0, noise=0.05, seed=seed, spread=0.0, drawn=0.0)
+        assert found.accepted, found.verdict
