@@ -9,7 +9,7 @@ both named. Where beginning with another of the strongest leads to causes that a
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -82,6 +82,7 @@ class Reference:
         together: Run-to-run variations (N, t) in which quantities go together, besides each by itself [-].
         slow: Slow variations and errors of the mean (N, s) that a run by itself is allowed [-].
         carried: Function that returns a run's observation in the coordinates in which it is linear; None where it is.
+        left_open: Standard errors of the logarithms of stiffnesses that single runs leave open by a large factor, by name [-].
     """
 
     names: tuple[str, ...]
@@ -93,6 +94,7 @@ class Reference:
     together: Floats
     slow: Floats
     carried: Callable[[Observation], Observation] | None = None
+    left_open: Mapping[str, float] = field(default_factory=dict)
     _likelihoods: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
     def unit_of(self, names: Sequence[str]) -> Floats:

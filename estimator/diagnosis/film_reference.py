@@ -121,7 +121,8 @@ def film_reference(machine: Machine, baseline: Sequence[Observation], variation:
         ValueError: There are no observations, or they are of different quantities.
     """
     names = names_in_common(baseline)
-    carried = partial(_by_compliance, _open_couplings(baseline))
+    couplings, left_open = _open_couplings(baseline)
+    carried = partial(_by_compliance, couplings)
     baseline = [carried(one) for one in baseline]
     origin = np.median([one.reference for one in baseline], axis=0)
     coordinates = _coordinates(machine)
@@ -140,17 +141,18 @@ def film_reference(machine: Machine, baseline: Sequence[Observation], variation:
     found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
     doubt = error + season
     doubt = (doubt + doubt.T) / 2
-    return Reference(names, origin, unit, centre, doubt, found, oil, _columns(doubt), carried)
+    return Reference(names, origin, unit, centre, doubt, found, oil, _columns(doubt), carried, left_open)
 
 
-def _open_couplings(baseline: Sequence[Observation]) -> CompliantCouplings:
-    """Return the couplings whose stiffness the runs of a baseline usually leave open by a large factor."""
+def _open_couplings(baseline: Sequence[Observation]) -> tuple[CompliantCouplings, dict[str, float]]:
+    """Return the couplings whose stiffness a baseline's runs usually leave open by a large factor, and its errors [-]."""
     names = baseline[0].names
     found = compliant_couplings(names, np.ones(len(names)), np.array([one.reference for one in baseline]))
     variance = np.median([np.diag(inverse(one.fitted)) for one in baseline], axis=0)
     kept = np.array([variance[place] > OPEN**2 for place in found.places], dtype=bool)
     places = tuple(place for place, one in zip(found.places, kept, strict=True) if one)
-    return CompliantCouplings(places, found.unit[kept], found.usual[kept])
+    errors = {names[place]: float(np.sqrt(variance[place])) for place in places}
+    return CompliantCouplings(places, found.unit[kept], found.usual[kept]), errors
 
 
 def _by_compliance(couplings: CompliantCouplings, one: Observation) -> Observation:

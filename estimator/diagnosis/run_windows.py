@@ -21,13 +21,15 @@ from estimator.diagnosis.observation import Observation, with_common_errors
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
-from estimator.machine.parameter_description import describe
+from estimator.machine.parameter_description import describe, is_direct
 
 LONGEST = 3
 """Length of the longest window over the number of runs that must agree."""
 OTHER_RUNS, OTHER_PART = 1.0, 0.2
 """Least that a window's runs without the one that speaks most must say together for a cause [-], and as a part of what that
 one says [-], where that is less than strong by itself: one odd run is no change."""
+COUPLING = "coupling"
+"""Kind of a coupling's change by itself."""
 GONE = 0.3
 """Part of the evidence it took to report a cause, below which the cause is gone [-]."""
 Delay = Callable[[str, str], int]
@@ -87,7 +89,7 @@ class RunWindows:
             found = self._diagnosis(after[-length:])
             agreed = {}
             for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
-                if runs_agree(cause, needed=on_delay(cause.kind, cause.element)):
+                if runs_agree(cause, needed=on_delay(cause.kind, cause.element)) and not self._is_left_open(cause):
                     agreed[cause.kind, cause.element] = cause, runners_up
             if not all(key in agreed and min(agreed[key][0].agreement) > 0.0 for key in causes):
                 break
@@ -147,6 +149,21 @@ class RunWindows:
         spoken = [agreement(self.reference, cause, one.with_errors_of(self.reference.names)) for one in after]
         sums = np.cumsum(spoken[::-1])[::-1]
         return int(np.argmax(sums))
+
+    def _is_left_open(self, cause: Cause) -> bool:
+        """Check whether a cause changes nothing but a coupling, by less than single runs leave open of all its stiffnesses.
+
+        What runs say together of such a change rests on derivatives that do not hold over each one's own errors.
+        """
+        if cause.kind != COUPLING:
+            return False
+        stiffness = {
+            name: float(change)
+            for name, change in zip(cause.names, cause.change, strict=True)
+            if is_direct(name) and (term := describe(name).term) is not None and term.order == 0
+        }
+        left_open = self.reference.left_open
+        return bool(stiffness) and all(abs(size) < left_open.get(name, 0.0) for name, size in stiffness.items())
 
     def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
         """Check whether the data of a single run have this fault: one that comes and goes has not gone."""

@@ -12,7 +12,7 @@ from msgspec import structs
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Diagnosis, diagnose
 from estimator.diagnosis.data_faults import fits, is_uninformative
-from estimator.diagnosis.film_reference import film_observation, film_reference, is_of_films
+from estimator.diagnosis.film_reference import OPEN, film_observation, film_reference, is_of_films
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
 from estimator.diagnosis.observation import Observation, ObservedFit
@@ -225,6 +225,8 @@ def test_a_fit_that_finds_a_stiff_coupling_soft_says_what_others_say() -> None:
     rng = np.random.default_rng(11)
     runs = [hardly_seeing_the_coupling(says(fitted(drawn_run(machine(), VARIATION, rng), rng))) for _ in range(BASELINE)]
     reference = film_reference(MODEL.machine, runs, VARIATION)
+    assert set(reference.left_open) == set(STIFFNESSES)
+    assert min(reference.left_open.values()) > OPEN
     sunk = after({"bearing.B3.elevation_y": -80e-6, "bearing.B4.elevation_y": -80e-6})
     usual, soft = (
         diagnose(reference, [hardly_seeing_the_coupling(one, softer=softer) for one in sunk]) for softer in (0.0, 3.0)

@@ -55,6 +55,17 @@ def test_a_fault_of_the_data_is_seen_in_each_run_by_itself() -> None:
     assert runs_agree(plant.cause_with((4.5,), names=("coupling.C1.kxx",)), needed=1)
 
 
+@pytest.mark.parametrize(("error", "told"), [(0.0, True), (0.1, True), (0.6, False)])
+def test_a_coupling_that_fits_leave_open_has_changed_only_by_more_than_that(error: float, told: bool) -> None:
+    """Its stiffness grows by a third, 0.28 in the logarithm."""
+    runs = plant.after(plant.grown({"coupling.C1": 1.33}), count=3)
+    watch = plant.watch()
+    stiffness = [one for one in watch.reference.names if one.startswith("coupling.C1.k")]
+    open_by = replace(watch, reference=replace(watch.reference, left_open=dict.fromkeys(stiffness, error)))
+    found = {(one.kind, one.element) for one in open_by.found(runs, on_delay=plant.delay(2)).causes}
+    assert (("coupling", "coupling.C1") in found) is told
+
+
 def test_it_began_with_the_first_run_that_shows_it() -> None:
     runs = (*plant.healthy(4), *plant.after(plant.misaligned(0.2), count=3))
     (cause,) = plant.watch().found(runs, on_delay=plant.delay(2)).causes
