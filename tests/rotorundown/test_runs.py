@@ -151,7 +151,7 @@ def test_a_wrong_table_is_named_with_what_would_be_right(pump: Machine, run: rd.
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "no rows"),
+        ("", "is empty: the first line names the columns"),
         ("speed,B1L_amplitude,B1L_phase\n", "no rows"),
         ("speed;B1L_amplitude;B1L_phase\n1500,5;1;2\n", "semicolons"),
         ("speed,B1L_amplitude,B1L_phase\n1500,5,1,2\n", "decimal comma"),
