@@ -28,6 +28,8 @@ SLOW = {"reports", "try-outs"}
 """Their answers take seconds, which the last ones are waited for."""
 FLOOD_S = 2.0
 """Duration of each flood [s]."""
+PATIENCE_S = 240.0
+"""How long the impatient person waits for an answer [s]: forty reports take 15 s on a machine that does nothing else."""
 TAKEN = {200, 201, 202}
 REFUSED = {409, 429, 503}
 """Too many, as it is said: by quota, by bound, or by what waits already."""
@@ -80,7 +82,7 @@ def _hold(attacked: Attacked, flood: Callable[[Prepared, int], FloodRequest]) ->
     limits = httpx.Limits(max_connections=AT_ONCE)
     over = time.monotonic() + FLOOD_S
     numbers = itertools.count()
-    with httpx.Client(base_url=service.client.base_url, headers=own, timeout=60.0, limits=limits) as impatient:
+    with httpx.Client(base_url=service.client.base_url, headers=own, timeout=PATIENCE_S, limits=limits) as impatient:
 
         def ask() -> Counter[int]:
             answers = Counter[int]()
