@@ -9,7 +9,7 @@ from benchmarks.faults import endurance
 
 RATE = 2500.0
 GROWTH_MB = 30.0
-"""Between the first half and the second: on a busy machine the heap still settles in the first minutes (21 MB were seen), and a
+"""Between the first half and the second: on a busy machine the heap still settles in the first minutes (21 were seen), and a
 minute does not tell a leak of an hour, but one of each sample would show: 75,000 samples of a kilobyte or so."""
 POOLED = 10
 """Files that a pool may open in the second half of a minute; one left open by each run or answer would be hundreds."""
