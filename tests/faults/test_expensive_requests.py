@@ -29,7 +29,7 @@ SLOW = {"reports", "try-outs"}
 FLOOD_S = 2.0
 """Duration of each flood [s]."""
 PATIENCE_S = 240.0
-"""How long the impatient person waits for an answer [s]: forty reports take 15 s on a machine that does nothing else."""
+"""Longest wait of the impatient person for an answer [s]: forty reports take 15 s on a machine that does nothing else."""
 TAKEN = {200, 201, 202}
 REFUSED = {409, 429, 503}
 """Too many, as it is said: by quota, by bound, or by what waits already."""
