@@ -284,7 +284,15 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind(
         "misalignment", ("coupling",), "machine", changes=_misalignments, size=_misalignment_size, form=misalignment_form
     ),
-    FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size, moves=COEFFICIENTS),
+    FindingKind(
+        "coupling",
+        ("coupling",),
+        "machine",
+        changes=_couplings,
+        size=_element_size,
+        moves=COEFFICIENTS,
+        beyond_fits=True,
+    ),
     FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size, moves=COEFFICIENTS),
     FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size, fitted=True, moves=COEFFICIENTS),
     FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size),

@@ -28,8 +28,6 @@ LONGEST = 3
 OTHER_RUNS, OTHER_PART = 1.0, 0.2
 """Least that a window's runs without the one that speaks most must say together for a cause [-], and as a part of what that
 one says [-], where that is less than strong by itself: one odd run is no change."""
-COUPLING = "coupling"
-"""Kind of a coupling's change by itself."""
 GONE = 0.3
 """Part of the evidence it took to report a cause, below which the cause is gone [-]."""
 Delay = Callable[[str, str], int]
@@ -151,11 +149,11 @@ class RunWindows:
         return int(np.argmax(sums))
 
     def _is_left_open(self, cause: Cause) -> bool:
-        """Check whether a cause changes nothing but a coupling, by less than single runs leave open of all its stiffnesses.
+        """Check whether a cause is told beyond fits only, and is less than single runs leave open of all its stiffnesses.
 
         What runs say together of such a change rests on derivatives that do not hold over each one's own errors.
         """
-        if cause.kind != COUPLING:
+        if not finding_kind(cause.kind).beyond_fits:
             return False
         stiffness = {
             name: float(change)

@@ -209,8 +209,8 @@ def test_deviations_have_the_size_that_the_document_states(term: str, run_dampin
     own, rng = curves.values(centre), np.random.default_rng(3)
     nuisance = np.array([one.nuisance for one in model.numbers])
     whole = own.reshape(SPEED.size, -1, 8)[:, 1]
-    kind = term[0]
-    over = np.sqrt(np.abs(np.prod([whole[:, TERMS.index(f"{kind}{2 * axis}")] for axis in (term[1], term[2])], axis=0)))
+    direct = [whole[:, TERMS.index(f"{term[0]}{axis}{axis}")] for axis in term[1:]]
+    over = np.sqrt(np.abs(direct[0] * direct[1]))
     column = 8 + TERMS.index(term)
     parts = [
         (curves.values(centre + nuisance * rng.standard_normal(centre.size))[:, column] - own[:, column]) / over
