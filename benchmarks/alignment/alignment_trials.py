@@ -16,10 +16,11 @@ from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.film_speeds import reported_rpm
+from estimator.updated_model.bearing_loads import WEIGHT_ERROR
 from estimator.updated_model.derived_quantities import Derived, derived_quantities
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import film_document, measured, measured_gaps
+from tests.film_plant.documents import film_document, measured, measured_gaps, with_mass_errors
 from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, true_alignment
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.plant import Plant
@@ -99,7 +100,7 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
     """Identify a baseline and one later run of a plant and compare what is told of alignment and loads with the truth."""
     rng = np.random.default_rng([seed, len(kind)])
     plant = plant_of(seed, kind)
-    machine = parse_machine(film_document(plant, priors=BELIEVED[kind]))
+    machine = parse_machine(with_mass_errors(film_document(plant, priors=BELIEVED[kind]), spread=WEIGHT_ERROR, seed=seed))
     later = replace(plant, train=drawn(plant.train, MOVES[kind], rng))
     runs = [run_of(plant, rng) for _ in range(BASELINE)] + [run_of(later, rng)]
     fits = [identify(machine, measured(one, seed=100 * seed + number), OPTIONS) for number, one in enumerate(runs)]
