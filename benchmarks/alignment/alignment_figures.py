@@ -20,7 +20,14 @@ WIDEST_CHANGE: dict[CouplingKind, float] = {"rigid": 8e-6, "flexible": 52e-6}
 """Median half width asked of that offset's change against a baseline [m]."""
 WIDEST_CENTRED: dict[CouplingKind, float] = {"rigid": 16e-6, "flexible": 120e-6}
 """Median half width asked of it in one run with its shaft centreline [m]."""
-QUANTITIES = ("offset", "angle", "load")
+QUANTITIES = {
+    "vertical offsets": ".offset_vertical",
+    "horizontal offsets": ".offset_horizontal",
+    "angles": ".angle_",
+    "vertical loads": ".load_vertical",
+    "horizontal loads": ".load_horizontal",
+}
+"""Part of the names of quantities whose intervals are judged together."""
 VERTICAL = "coupling.C1.offset_vertical"
 
 
@@ -62,11 +69,11 @@ def _coverage(what: str, told: Sequence[ReportedInterval], *, judged: bool) -> I
     low, high = COVERAGE
     part = _part(told)
     yield ReportLine(f"    {what}: 95 % intervals hold", "93-97 %", f"{part:.1%}", not judged or low <= part <= high)
-    for quantity in QUANTITIES:
-        own = [one for one in told if f".{quantity}_" in one.name]
+    for quantities, named in QUANTITIES.items():
+        own = [one for one in told if named in one.name]
         part = _part(own)
         kept = not judged or not own or part >= LEAST_OF_A_KIND
-        yield ReportLine(f"        {quantity}s, {len(own)} determined", ">= 86 %", f"{part:.1%}" if own else "-", kept)
+        yield ReportLine(f"        {quantities}, {len(own)} determined", ">= 86 %", f"{part:.1%}" if own else "-", kept)
 
 
 def _part(told: Sequence[ReportedInterval]) -> float:

@@ -180,21 +180,6 @@ def with_pedestals(said: dict[str, Any], plant: Plant, *, spread: float, seed: i
     return said | {"pedestals": pedestals, "parameters": [rule], "probes": probes}
 
 
-def with_mass_errors(said: dict[str, Any], *, spread: float, seed: int = 0) -> dict[str, Any]:
-    """The document whose shafts, with their discs, are each heavier or lighter by a part."""
-    rng = np.random.default_rng(8000 + seed)
-    heavier = {shaft["id"]: 1.0 + spread * rng.standard_normal() for shaft in said["shafts"]}
-    steel = said["materials"]["steel"]
-    return said | {
-        "materials": {f"steel_{name}": steel | {"density": steel["density"] * part} for name, part in heavier.items()},
-        "shafts": [
-            one | {"sections": [piece | {"material": f"steel_{one['id']}"} for piece in one["sections"]]}
-            for one in said["shafts"]
-        ],
-        "discs": [one | {"mass": one["mass"] * heavier[one["shaft"]]} for one in said["discs"]],
-    }
-
-
 def pedestal_terms(one: Pedestal) -> Iterator[tuple[str, float]]:
     """Names and values of a pedestal's coefficients [SI]."""
     for letter, (x, y) in (("k", one.stiffness), ("c", one.damping), ("m", one.mass)):
