@@ -90,14 +90,15 @@ def _cause_claims(place: str, number: int, cause: dict[str, Any]) -> Iterator[St
 def _advice_claims(place: str, number: int, advice: dict[str, Any]) -> Iterator[StatedFigure]:
     for figure in advice["how_far"]:
         factor = 1e3 if figure["unit"] == "mrad" else 1.0
-        said = {"name": figure["of"], "unit": PLAIN.get(figure["unit"], figure["unit"])}
+        said = {"name": figure["of"], "against": figure["against"], "unit": PLAIN.get(figure["unit"], figure["unit"])}
         said |= {what: factor * figure[what] for what in ("value", "lower", "upper")}
         yield from _size_claims(place, number, said, figure["runs"])
 
 
 def _size_claims(place: str, number: int, part: dict[str, Any], runs: int, same: float = SAME) -> Iterator[StatedFigure]:
     for what in ("value", "lower", "upper"):
-        yield StatedFigure(place, (part["name"], f"size {what} [{part['unit']}]", number, runs), part[what], same)
+        size = f"size {what} against the {part.get('against', 'baseline')} [{part['unit']}]"
+        yield StatedFigure(place, (part["name"], size, number, runs), part[what], same)
     if part.get("before") is not None:
         yield StatedFigure(place, (part["name"], "itself", number, 1), part["before"] + part["value"])
 

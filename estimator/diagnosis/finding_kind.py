@@ -26,6 +26,8 @@ ELEMENT_LISTS: Mapping[ElementKind, str] = {
 }
 """List of a machine's document that names the elements of each kind; the machine as a whole is in none."""
 FindingPlace = Literal["machine", "channels", "data"]
+ComparedWith = Literal["baseline", "runs_before"]
+"""Runs that a change is told against: those of the baseline, or the ones just before the change."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,7 @@ class SizePart:
         allowed: What is allowed of its magnitude [unit]; None where nothing is.
         before: Value in the baseline [unit]; None where the change is all that is said.
         members: Names of the quantities whose common change it is.
+        against: Runs that the change is told against.
     """
 
     name: str
@@ -101,6 +104,7 @@ class SizePart:
     allowed: float | None = None
     before: float | None = None
     members: tuple[str, ...] = ()
+    against: ComparedWith = "baseline"
 
 
 @dataclass(frozen=True)

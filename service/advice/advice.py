@@ -104,6 +104,7 @@ def _figure(one: SizePart, finding: DescribedFinding) -> Figure:
         parameters=list(one.members),
         allowed=one.allowed,
         before=one.before,
+        against=one.against,
     )
 
 

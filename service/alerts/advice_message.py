@@ -4,9 +4,11 @@ from datetime import datetime
 
 from pydantic import BaseModel, Field
 
+from estimator.diagnosis.finding_kind import ComparedWith
+
 
 class Figure(BaseModel):
-    """A figure of how far something has changed against the baseline, with its 95 % interval."""
+    """A figure of how far something has changed, with its 95 % interval."""
 
     of: str = Field(description="what has changed, such as bearing.B2.clearance; coupling.C1.coefficients: all together")
     words: str
@@ -18,6 +20,9 @@ class Figure(BaseModel):
     runs: int | None = Field(description="newest runs whose mean it is; null: of an older release")
     allowed: float | None = Field(description="what is allowed of it, in the unit")
     before: float | None = Field(description="value in the baseline, in the unit")
+    against: ComparedWith = Field(
+        description="runs that it is told against: the baseline's, or the ones just before the change"
+    )
     parameters: list[str] = Field(description="parameters whose common change it is, of those that the newest run determines")
 
 

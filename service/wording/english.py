@@ -22,6 +22,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "size.rate": "{rate:+.2g} % a week ({lower:+.2g} to {upper:+.2g})",
     "size.stiffness": "stiffness {parts}",
     "size.all_coefficients": "all coefficients of {element} together",
+    "size.part": "{name} {size}",
+    "size.step": "{name}, compared with the runs just before the change, {size}",
     "size.of_element": "{quantity} of {element}",
     "size.per_cent_interval": "{value} % ({lower} to {upper})",
     "size.from_to": "{before} → {after} {unit} (change {lower} to {upper})",

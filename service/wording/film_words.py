@@ -118,13 +118,21 @@ def _angles(q: Numbers, language: Language) -> Iterator[str]:
             )
 
 
+def reads_otherwise(step: float, half: float, *, since_baseline: float) -> bool:
+    """Return whether a step reads otherwise than the change since the baseline, so that it is told, too.
+
+    half: the step's half width.
+    """
+    return abs(step) > half and abs(step - since_baseline) > 0.5 * half
+
+
 def _steps(q: Numbers, language: Language) -> Iterator[str]:
     """Yield the steps against the runs just before that read otherwise than the change since the baseline."""
     for what, unit in (("offset", "um"), ("angle", "urad")):
         for plane in PLANES:
             value, half = q.get(f"step_{what}_{plane}_{unit}"), q.get(f"step_{what}_{plane}_half_width_{unit}", 0.0)
             whole = q.get(f"{what}_{plane}_{unit}", 0.0)
-            if value is not None and abs(value) > half and abs(value - whole) > 0.5 * half:
+            if value is not None and reads_otherwise(value, half, since_baseline=whole):
                 shown_value = (
                     shown_length(abs(value), half, language)
                     if what == "offset"

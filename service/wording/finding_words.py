@@ -202,7 +202,8 @@ def second_order_words(finding: DescribedFinding, next_best: str) -> str:
 
 def part_words(one: SizePart, language: Language = ENGLISH) -> str:
     """Return a figure with its interval and what it is of: `all coefficients of coupling C1 together +53 % (+49 to +57)`."""
-    return f"{part_name(one.name, language)} {interval(one, language)}"
+    key = "size.part" if one.against == "baseline" else "size.step"
+    return language.translate(key, name=part_name(one.name, language), size=interval(one, language))
 
 
 def part_name(name: str, language: Language = ENGLISH) -> str:

@@ -22,6 +22,8 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "size.rate": "{rate:+.2g} % je Woche ({lower:+.2g} bis {upper:+.2g})",
     "size.stiffness": "Steifigkeit {parts}",
     "size.all_coefficients": "alle Koeffizienten von {element} zusammen",
+    "size.part": "{name} {size}",
+    "size.step": "{name}, gegenüber den Läufen unmittelbar vor der Änderung, {size}",
     "size.of_element": "{quantity} von {element}",
     "size.per_cent_interval": "{value} % ({lower} bis {upper})",
     "size.from_to": "{before} → {after} {unit} (Änderung {lower} bis {upper})",

@@ -75,6 +75,10 @@ def test_what_an_older_release_stored_is_reported_without_intervals() -> None:
     [
         (SizePart("disc.D1.unbalance", "g mm", 7962.4, 7488.0, 8436.0), "unbalance of disc D1 7962 ± 474 g·mm"),
         (SizePart("machine.viscosity", "%", 80.0, 79.6, 80.4), "viscosity +80.0 % (+79.6 to +80.4)"),
+        (
+            SizePart("coupling.C1.offset_vertical", "um", -18.0, -20.0, -16.0, against="runs_before"),
+            "offset vertical of coupling C1, compared with the runs just before the change, -18 ± 2 µm",
+        ),
         (SizePart("coupling.C1.misalignment_moment", "N m", 4.4, 4.0, 4.8, before=4.9), "4.9 → 9.3 N m (change +4.0 to +4.8)"),
         (
             SizePart("coupling.C1.misalignment_moment", "N m", -16.63, -20.53, -12.74, before=143.15),

@@ -21,6 +21,8 @@ from tests.film_plant_tests.test_film_diagnosis import BASELINE, assessed, basel
 MISALIGNED = ("misalignment", "coupling.C1")
 GROWN, STEPPED = 9e-6, -10e-6
 """Offset after the growth of pedestals, and after the step of 19 µm against it [m], counted from the baseline."""
+STEEPEST = 1.5e-6
+"""Growth in a week [m]: that of pedestals by ±10 µm over a year is at most 1.2 µm."""
 
 
 @cache
@@ -67,11 +69,14 @@ def test_a_step_against_the_growth_of_pedestals_is_told_with_both_sizes() -> Non
         100.0 * abs(q["step_offset_vertical_um"]) / q["offset_vertical_allowed_um"], rel=0.01
     )
     assert has_step({"quantities": q})
+    told = {(part.name, part.against): part.value for part in one.size.parts}
+    assert told["coupling.C1.offset_vertical", "runs_before"] == q["step_offset_vertical_um"]
+    assert told["coupling.C1.offset_vertical", "baseline"] == q["offset_vertical_um"]
 
 
 def test_one_run_is_not_enough_and_growth_by_itself_is_no_step() -> None:
     assert diagnosed(context([GROWN] * 4 + [STEPPED])).causes == ()
-    growing = [2e-6 * number for number in range(1, 7)]
+    growing = [STEEPEST * number for number in range(1, 7)]
     assert diagnosed(context(growing)).causes == ()
 
 
