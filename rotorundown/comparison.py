@@ -46,7 +46,9 @@ class CouplingComparison:
             f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
             for view in self.found.views
         ]
-        return "\n".join([self.verdict, "", *lines])
+        return "\n".join(
+            [self.verdict, "", "Compared models, the likeliest first: the smaller the criterion, the likelier", *lines]
+        )
 
     __repr__ = __str__
 

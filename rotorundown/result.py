@@ -94,7 +94,8 @@ class Result(Struct, frozen=True, eq=False, dict=True):
         for one in self.identification.estimates:
             if one.name == name:
                 return one
-        raise UnknownName(f"'{name}' is not estimated{did_you_mean(str(name), known)}")
+        close = did_you_mean(str(name), known)
+        raise UnknownName(f"'{name}' is not estimated{close or f'; list(result) has all names, such as {known[0]}'}")
 
     def __iter__(self) -> Iterator[str]:
         return (one.name for one in self.identification.estimates)

@@ -1,5 +1,6 @@
 """Columns of a table as people have them: data frames with times as their index, missing values, numbers as text."""
 
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -14,6 +15,8 @@ AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
 PHASE_ENDS = ("_phase", "_lag_deg")
 GAP_END = "_gap_um"
 """End of the names of columns of mean gaps [µm], as the probes' `gap_grows` of the document says that they grow."""
+MOST_NAMED = 5
+"""Most columns that an error names of those that are too long or too short."""
 TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
 """Kinds of columns and of a frame's index that hold dates or durations, and how numpy has them."""
 
@@ -38,9 +41,18 @@ def columns_of(source: Any) -> dict[str, Floats]:
     columns |= dict(_of_index(getattr(source, "index", None), names))
     if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
         raise WrongRun("the run has no samples: each column must hold at least one number")
-    if len({column.size for column in columns.values()}) > 1:
-        raise WrongRun(f"columns differ in length: {', '.join(f'{name} {one.size}' for name, one in columns.items())}")
+    require_equal_length(columns)
     return columns
+
+
+def require_equal_length(columns: Mapping[str, Floats]) -> None:
+    """Raise WrongRun where columns differ in length, with those that are not as long as most are."""
+    lengths = Counter(column.size for column in columns.values())
+    usual = lengths.most_common(1)[0][0]
+    odd = [f"{name} has {one.size}" for name, one in columns.items() if one.size != usual]
+    if odd:
+        more = f" and {len(odd) - MOST_NAMED} more" if len(odd) > MOST_NAMED else ""
+        raise WrongRun(f"columns differ in length: {', '.join(odd[:MOST_NAMED])}{more}; the others have {usual}")
 
 
 def known_name(name: str) -> str:

@@ -248,8 +248,8 @@ def compare(
 
     from estimator.identification.model_comparison import compare_misalignment
     from estimator.machine.film_speeds import follows_films
+    from estimator.phasors.measurement import joined
     from formats.files.document_files import UnreadableFile
-    from formats.recordings.recorded_runs import read_measurement
     from formats.wire import Rejected
     from service.commands.results.identification_report import comparison_text
     from service.commands.results.result_content import comparison_content
@@ -263,8 +263,7 @@ def compare(
         _compare_alignment(machine, healthy, files, coupling, as_json=as_json)
         return
     try:
-        measurement, left_out = read_measurement(described, files)
-        _print_left_out(left_out)
+        measurement = joined([measured for _, measured in _recorded(described, files, None)])
         with threadpoolctl.threadpool_limits(1), working("comparing models"):
             found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
     except (UnreadableFile, Rejected, ValueError) as error:
@@ -272,7 +271,7 @@ def compare(
     if as_json:
         print_json(comparison_content(found))
     else:
-        print_text(comparison_text(found))
+        print_text(comparison_text(found, healthy))
 
 
 def _compare_alignment(machine: Path, healthy: "Identification", files: list[Path], coupling: str, *, as_json: bool) -> None:
@@ -362,19 +361,31 @@ def _print_left_out(lines: Sequence[str]) -> None:
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
 ) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
-    """Read a document and its recorded runs, without the slow roll of a band where one is given.
-
-    Tables without a sidecar are read as the library reads them, and it is said in which units.
-    """
+    """Read a document and its recorded runs, without the slow roll of a band where one is given."""
     from formats.files.document_files import read_machine
-    from formats.recordings.recorded_runs import read_runs, without_slow_roll
-    from formats.recordings.sidecar_place import is_plain_table
-    from rotorundown.runs import read_run
+    from formats.recordings.recorded_runs import without_slow_roll
     from service.commands.document_warnings import print_warnings
     from service.commands.results.identification_report import slow_roll_text
 
     described = read_machine(machine)
     print_warnings(described)
+    runs = _recorded(described, files, sidecar)
+    if slow_roll is None:
+        return described, runs
+    corrected, rest, found = without_slow_roll(described, runs, slow_roll)
+    print_text(slow_roll_text(described, found), err=True)
+    return corrected, rest
+
+
+def _recorded(described: "Machine", files: Sequence[Path], sidecar: Path | None) -> "list[tuple[RecordedRun, Measurement]]":
+    """Read recorded runs of a machine, and print what was left out of them.
+
+    Tables without a sidecar are read as the library reads them, and it is said in which units.
+    """
+    from formats.recordings.recorded_runs import read_runs
+    from formats.recordings.sidecar_place import is_plain_table
+    from rotorundown.runs import read_run
+
     if sidecar is None and any(one.is_file() and is_plain_table(one) for one in files):
         read = [read_run(file, machine=described) for file in files]
         runs = [(one.recorded, one.measurement) for one in read]
@@ -382,11 +393,7 @@ def _runs(
     else:
         runs, left_out = read_runs(described, files, sidecar)
     _print_left_out(left_out)
-    if slow_roll is None:
-        return described, runs
-    corrected, rest, found = without_slow_roll(described, runs, slow_roll)
-    print_text(slow_roll_text(described, found), err=True)
-    return corrected, rest
+    return runs
 
 
 def identified(machine: Path, files: list[Path], sidecar: Path | None) -> "tuple[Machine, Measurement, Identification]":

@@ -179,8 +179,14 @@ class EdgeConfiguration(_ConfigurationPart):
 
 def read_configuration(path: Path) -> EdgeConfiguration:
     """Read a configuration file; paths in it are relative to it. Raises UnreadableFile, which names every wrong field."""
+    fields = read_yaml(path)
+    if not isinstance(fields, dict):
+        held = "is empty" if fields is None else "holds no fields"
+        raise UnreadableFile(
+            f"{path} {held}: an edge agent's configuration has machine, waveforms, keyphasor, channels, block, log"
+        )
     try:
-        read = EdgeConfiguration.model_validate(read_yaml(path))
+        read = EdgeConfiguration.model_validate(fields)
     except ValidationError as error:
         problems = "\n".join(f"  {field_path(item['loc'])}: {item['msg']}" for item in error.errors())
         raise UnreadableFile(f"{path} is not an edge agent's configuration:\n{problems}") from error

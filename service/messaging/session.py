@@ -13,6 +13,8 @@ from service.messaging.access_control import StreamSecurity
 logger = logging.getLogger(__name__)
 
 ROUTER, PEER = "router", "peer"
+ENDPOINT = re.compile(r"[^/\s]+/\S")
+"""Beginning of an endpoint: protocol and address."""
 
 
 class StreamUnusable(RuntimeError):
@@ -54,6 +56,10 @@ def open_session(
         return zenoh.open(config)
     except zenoh.ZError as error:
         where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
+        if malformed := [one for one in (*listen, *connect) if not ENDPOINT.match(one)]:
+            raise StreamUnusable(
+                f"zenoh cannot be opened: '{malformed[0]}' is no endpoint; one is written as tcp/127.0.0.1:7447"
+            ) from error
         # The library's message ends with locations in its own source.
         reason = re.sub(r" at /\S+\.rs:\d+\.?", "", str(error))
         raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {reason}") from error

@@ -311,7 +311,13 @@ def temporary_engine(url: str | URL) -> Iterator[Engine]:
 
 
 def _engine(url: str | URL) -> Engine:
-    parsed = make_url(url)
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        raise DatabaseUnusable(
+            f"database {redacted_url(url)} cannot be used: it is no URL of a database; one is written as "
+            "sqlite:///rundown.db, or postgresql+psycopg://user@server/name"
+        ) from None
     dialect = parsed.get_dialect().name
     if dialect == "sqlite" and "uri" in parsed.query:
         raise DatabaseUnusable(

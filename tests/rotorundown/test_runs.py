@@ -134,7 +134,11 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], dict[str, Any
         "'speed_rpm' is in rpm, but speed_unit says Hz",
     ),
     "no rows": (lambda c: {name: one[:0] for name, one in c.items()}, {}, "no samples"),
-    "columns of different length": (lambda c: {**c, "speed": c["speed"][1:]}, {}, "differ in length"),
+    "columns of different length": (
+        lambda c: {**c, "speed": c["speed"][1:]},
+        {},
+        r"columns differ in length: speed has \d+; the others have \d+$",
+    ),
     "decimal commas": (lambda c: {**c, "speed": ["1500,5"] * len(c["speed"])}, {}, "decimal point"),
     "words": (lambda c: {**c, "speed": ["fast"] * len(c["speed"])}, {}, "row 1: 'fast' is not a number"),
 }

@@ -63,7 +63,7 @@ def test_what_was_not_identified_is_told_so(pump: Machine, run: rd.MachineRun, r
         with pytest.raises(ValueError, match=re.escape(words)) as raised:
             call()
         one_line(raised)
-    with pytest.raises(KeyError, match="'3' is not estimated"):
+    with pytest.raises(KeyError, match=r"'3' is not estimated; list\(result\) has all names, such as bearing\.B1\.kxx"):
         made.Result.__getitem__(result, 3)
 
 

@@ -130,16 +130,20 @@ def regression_text(found: PublishedEstimate) -> str:
     return "\n".join(lines + [f"{name:<{width}}  {value:+.4e} {unit}" for name, value, unit in rows])
 
 
-def comparison_text(comparison: ModelComparison) -> str:
-    """Return the verdict, the compared models and the best one's values at the coupling."""
-    lines = [comparison.verdict, ""]
+def comparison_text(comparison: ModelComparison, baseline: Identification) -> str:
+    """Return the verdict, the compared models and the best one's values at the coupling, beside those of the baseline."""
+    lines = [comparison.verdict, "", "Compared models, the likeliest first: the smaller the criterion, the likelier"]
     lines += [
         f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
         for view in comparison.views
     ]
     best = comparison.views[0].identification
     shown = [one for one in best.estimates if one.element in comparison.elements and one.quantity != "unbalance"]
-    return "\n".join(lines + [f"  {one.name}  {_value(one)}" for one in shown])
+    if shown:
+        lines += ["", f"At the coupling, by the model '{comparison.views[0].name}': the later value, and the baseline's"]
+    before = {one.name: f"; before {one.value:+.4e}" for one in baseline.estimates if one.value is not None}
+    width = max((len(one.name) for one in shown), default=0)
+    return "\n".join(lines + [f"  {one.name:<{width}}  {_value(one)}{before.get(one.name, '')}" for one in shown])
 
 
 def slow_roll_text(machine: Machine, found: Capture) -> str:

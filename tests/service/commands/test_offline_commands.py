@@ -193,8 +193,24 @@ def test_views_of_misalignment_are_compared(healthy: str, tmp_path: Path) -> Non
     later = recorded(tmp_path, "later", of(document, seed=3))
     text = run("compare", DOCUMENT, healthy, later, "--coupling", "C1")
     assert text.startswith("changed coefficients: better than")
-    assert "coupling.C1.kxx" in text
+    assert "Compared models, the likeliest first" in text
+    assert "by the model 'changed coefficients': the later value, and the baseline's" in text
+    found = re.search(r"coupling\.C1\.kxx +(\S+) ± .*; before (\S+)\n", text)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(1.2 * float(found[2]), rel=0.1)
     assert "there are C1" in run("compare", DOCUMENT, healthy, later, "--coupling", "C7", status=1)
+
+
+def test_a_later_run_without_a_sidecar_is_compared(healthy: str, tmp_path: Path) -> None:
+    columns = {"speed_rpm": SPEED * 30.0 / np.pi}
+    for probe, phasor in zip(chapter_3_document()["probes"], of(chapter_3_document(), seed=3).T, strict=True):
+        columns[f"{probe['id']}_um_pp"] = 2e6 * np.abs(phasor)
+        columns[f"{probe['id']}_lag_deg"] = -np.degrees(np.angle(phasor))
+    later = tmp_path / "later.csv"
+    np.savetxt(later, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
+    text = run("compare", DOCUMENT, healthy, str(later), "--coupling", "C1")
+    assert "later.csv: read as r/min, µm peak-to-peak, phase lag in degrees" in text
+    assert "unchanged: better than" in text
 
 
 def test_what_is_left_out_of_a_compared_run_is_said(healthy: str, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Real zenoh sessions over TLS with real certificates: a source publishes as itself, and nobody publishes as another."""
 
+import re
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -178,3 +179,9 @@ def _put(source: zenoh.Session, key: str, payload: bytes) -> bool:
     """Publish until the subscription is known to the source: what it publishes before goes nowhere."""
     source.put(key, payload)
     return True
+
+
+def test_what_is_no_endpoint_is_answered_with_how_one_is_written() -> None:
+    words = "zenoh cannot be opened: 'router' is no endpoint; one is written as tcp/127.0.0.1:7447"
+    with pytest.raises(StreamUnusable, match=f"^{re.escape(words)}$"), session(listen=[], connect=["router"]):
+        pass

@@ -102,6 +102,13 @@ def test_a_directory_is_no_database(tmp_path: Path) -> None:
         Database(sqlite_url(tmp_path))
 
 
+def test_what_is_no_url_is_answered_with_how_one_is_written() -> None:
+    with pytest.raises(
+        DatabaseUnusable, match=r"database 'rundown' cannot be used: .* one is written as sqlite:///rundown.db"
+    ):
+        Database("rundown")
+
+
 def test_a_missing_folder_is_said(tmp_path: Path) -> None:
     with pytest.raises(DatabaseUnusable, match="unable to open database file"):
         Database(sqlite_url(tmp_path / "missing" / "rundown.db"))
