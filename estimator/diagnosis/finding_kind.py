@@ -107,6 +107,20 @@ class SizePart:
     against: ComparedWith = "baseline"
 
 
+def is_step_beside(step: float, half: float, *, whole: float) -> bool:
+    """Check whether a step is certain, and another number than the change since the baseline, so that both are told.
+
+    Args:
+        step: The step [any unit].
+        half: Half width of its 95 % interval [that unit].
+        whole: The change since the baseline [that unit].
+
+    Returns:
+        Whether it is.
+    """
+    return abs(step) > half and abs(step - whole) > 0.5 * half
+
+
 @dataclass(frozen=True)
 class ChangeSize:
     """Size of a cause in customary units.

@@ -4,8 +4,6 @@ from datetime import datetime
 
 from pydantic import BaseModel, Field
 
-from estimator.diagnosis.finding_kind import ComparedWith
-
 
 class Figure(BaseModel):
     """A figure of how far something has changed, with its 95 % interval."""
@@ -20,9 +18,7 @@ class Figure(BaseModel):
     runs: int | None = Field(description="newest runs whose mean it is; null: of an older release")
     allowed: float | None = Field(description="what is allowed of it, in the unit")
     before: float | None = Field(description="value in the baseline, in the unit")
-    against: ComparedWith = Field(
-        description="runs that it is told against: the baseline's, or the ones just before the change"
-    )
+    against: str = Field(description="what it is told against: `baseline`, or `runs_before`, the ones just before the change")
     parameters: list[str] = Field(description="parameters whose common change it is, of those that the newest run determines")
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import scipy.special
 
+from estimator.diagnosis.finding_kind import is_step_beside
 from estimator.fit.decimals import decimals, signed_with_half
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
@@ -118,21 +119,13 @@ def _angles(q: Numbers, language: Language) -> Iterator[str]:
             )
 
 
-def reads_otherwise(step: float, half: float, *, since_baseline: float) -> bool:
-    """Return whether a step reads otherwise than the change since the baseline, so that it is told, too.
-
-    half: the step's half width.
-    """
-    return abs(step) > half and abs(step - since_baseline) > 0.5 * half
-
-
 def _steps(q: Numbers, language: Language) -> Iterator[str]:
     """Yield the steps against the runs just before that read otherwise than the change since the baseline."""
     for what, unit in (("offset", "um"), ("angle", "urad")):
         for plane in PLANES:
             value, half = q.get(f"step_{what}_{plane}_{unit}"), q.get(f"step_{what}_{plane}_half_width_{unit}", 0.0)
             whole = q.get(f"{what}_{plane}_{unit}", 0.0)
-            if value is not None and reads_otherwise(value, half, since_baseline=whole):
+            if value is not None and is_step_beside(value, half, whole=whole):
                 shown_value = (
                     shown_length(abs(value), half, language)
                     if what == "offset"

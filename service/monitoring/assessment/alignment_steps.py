@@ -13,7 +13,7 @@ from typing import Any
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.data_faults import is_uninformative
 from estimator.diagnosis.film_reference import film_observation, is_of_films
-from estimator.diagnosis.finding_kind import ChangeSize, SizePart
+from estimator.diagnosis.finding_kind import ChangeSize, SizePart, is_step_beside
 from estimator.diagnosis.observation import Observation
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.season_part import variation_within
@@ -24,7 +24,6 @@ from service.monitoring.assessment.baseline_comparison import BaselineComparison
 from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentContext
 from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import delays
-from service.wording.film_words import reads_otherwise
 
 MOST_BEFORE = 6
 """Most runs before a step that it is compared with: their scatter averages out, and they hardly cover a season."""
@@ -92,7 +91,7 @@ def with_step(size: ChangeSize, step: ChangeSize) -> ChangeSize:
     named = [f"{coordinate}{kind}_{unit}" for coordinate, unit in _COORDINATES for kind in ("", "_half_width")]
     told = {f"{STEP}{name}": step.quantities[name] for name in named if name in step.quantities}
     parts = [one for one in (size.tolerance_per_cent, step.tolerance_per_cent) if one is not None]
-    steps = [replace(one, against="runs_before") for one in step.parts if _is_told_beside(one, size)]
+    steps = [replace(one, against="runs_before") for one in step.parts if _differs_from_change(one, size)]
     return replace(
         size,
         quantities={**size.quantities, **told},
@@ -101,11 +100,11 @@ def with_step(size: ChangeSize, step: ChangeSize) -> ChangeSize:
     )
 
 
-def _is_told_beside(part: SizePart, size: ChangeSize) -> bool:
+def _differs_from_change(part: SizePart, size: ChangeSize) -> bool:
     """Return whether a figure of a step is one of alignment, and reads otherwise than the change since the baseline."""
     coordinate = describe(part.name).quantity, part.unit
     whole = size.quantities.get("_".join(coordinate), 0.0)
-    return coordinate in _COORDINATES and reads_otherwise(part.value, (part.upper - part.lower) / 2.0, since_baseline=whole)
+    return coordinate in _COORDINATES and is_step_beside(part.value, (part.upper - part.lower) / 2.0, whole=whole)
 
 
 def has_step(evidence: Mapping[str, Any]) -> bool:
