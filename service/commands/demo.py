@@ -96,8 +96,10 @@ def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
                     {"right": right, "seconds": seconds, "machines": [{"right": one.right, **asdict(one)} for one in outcomes]}
                 )
             else:
-                _print_summary(outcomes, str(client.base_url), seconds)
+                _print_summary(outcomes, seconds)
             if not leave:
+                if not as_json:
+                    _print_addresses(str(client.base_url))
                 print("\nServing until Ctrl-C.", file=course, flush=True)
                 signal.pause()
     except KeyboardInterrupt:
@@ -288,7 +290,7 @@ def _median_percent(values: list[float]) -> float:
     return 100.0 * float(np.median(values)) if values else math.nan
 
 
-def _print_summary(outcomes: list[ScenarioOutcome], base: str, seconds: float) -> None:
+def _print_summary(outcomes: list[ScenarioOutcome], seconds: float) -> None:
     print(f"\nIdentified against the simulator's truth, after {seconds:.0f} s (medians over all runs):\n")
     columns = ("machine", "scenario", "runs", "accepted", "bearing k", "coupling k", "unbalance", "rms error/SE", "alert")
     rows = [
@@ -310,6 +312,10 @@ def _print_summary(outcomes: list[ScenarioOutcome], base: str, seconds: float) -
         print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip())
     right = all(outcome.right for outcome in outcomes)
     print("\nEvery machine came out as simulated." if right else "\nNOT every machine came out as simulated.")
+    sys.stdout.flush()
+
+
+def _print_addresses(base: str) -> None:
     drifting = next(name for name, scenario in SCENARIOS.items() if scenario == "misalignment")
     page = base.split("/api/", 1)[0]
     print(f"\nTo look at, in a browser:\n  {page}/\n  {page}/#/machines/{drifting}\n\nAnd through the API:")

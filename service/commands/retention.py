@@ -110,7 +110,8 @@ def _old_samples(database: "Database", tier: "Tier", moment: int) -> "dict[str, 
 def _total(found: "dict[str, Extent]") -> str:
     if not found:
         return "nothing is old enough"
-    return f"{sum(one.count for one in found.values())} blocks or runs of {len(found)} machines are older"
+    machines = "1 machine" if len(found) == 1 else f"{len(found)} machines"
+    return f"{sum(one.count for one in found.values())} blocks or runs of {machines} are older"
 
 
 def _confirm(database: "Database", tiers: "list[Tier]", moment: int) -> None:

@@ -79,6 +79,7 @@ def test_the_demo_runs(python: Path, tmp_path: Path) -> None:
     except subprocess.CalledProcessError as error:
         pytest.fail(f"the demo ended with status {error.returncode}:\n{error.stdout}")
     assert "misalignment of coupling.C1" in text
+    assert "in a browser" not in text, "nothing serves any more"
 
 
 def test_commands_take_its_examples_where_the_folder_has_none(python: Path, tmp_path: Path) -> None:
