@@ -79,6 +79,7 @@ class SizeOut(BaseModel):
     allowed: float | None = Field(default=None, description="what is allowed of it")
     before: float | None = Field(default=None, description="in the baseline")
     members: list[str] = Field(default_factory=list, description="parameters that have changed together")
+    against: str = Field(default="baseline", description="what it is told against: `baseline`, or `runs_before` a step")
 
 
 class MeanSizeOut(SizeOut):
