@@ -25,7 +25,6 @@ from storage.machines import machines
 from tests.identification import chapter_3, close_run, counts, identifying, working
 from tests.plant import wait_until
 
-
 MOST_ALARMS = 10
 """Most alarms that are set: one that falls where Python drops exceptions, as in a finaliser, is lost."""
 
