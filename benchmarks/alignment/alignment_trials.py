@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 from msgspec import structs
 
-from benchmarks.fluid_film.film_bound import DRAWN_DISCREPANCY
 from benchmarks.fluid_film.film_trials import OPTIONS
 from benchmarks.kept_outcomes import kept_or_computed
 from estimator.alignment.alignment_change import alignment_changes
@@ -98,7 +97,7 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
     """Identify a baseline and one later run of a plant and compare what is told of alignment and loads with the truth."""
     rng = np.random.default_rng([seed, len(kind)])
     plant = plant_of(seed, kind)
-    machine = parse_machine(film_document(plant, priors=BELIEVED, discrepancy=DRAWN_DISCREPANCY))
+    machine = parse_machine(film_document(plant, priors=BELIEVED))
     later = replace(plant, train=drawn(plant.train, MOVES[kind], rng))
     runs = [run_of(plant, rng) for _ in range(BASELINE)] + [run_of(later, rng)]
     fits = [identify(machine, measured(one, seed=100 * seed + number), OPTIONS) for number, one in enumerate(runs)]

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fluid_film.film_bound import document_as_drawn
+from benchmarks.fluid_film.film_bound import DRAWN_DISCREPANCY
 from benchmarks.fluid_film.film_trials import (
     KINDS,
     FilmTrial,
@@ -17,7 +17,7 @@ from benchmarks.fluid_film.film_trials import (
 )
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import FILM_DISCREPANCY
+from tests.film_plant.documents import FILM_DISCREPANCY, film_document
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
 
@@ -54,8 +54,8 @@ def film_fits(plants: int) -> list[ReportLine]:
 
 
 def as_drawn(plant: Plant, _: int) -> dict[str, Any]:
-    """Return the document that allows for deviations as they are drawn."""
-    return document_as_drawn(plant)
+    """Return the document that allows for deviations of films as large as those that plants are drawn with."""
+    return film_document(plant, discrepancy=DRAWN_DISCREPANCY)
 
 
 def _random(seed: int) -> Plant:

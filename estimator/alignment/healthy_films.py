@@ -14,13 +14,13 @@ import numpy as np
 
 from estimator.alignment.run_likelihood import run_likelihood
 from estimator.arrays import Floats
-from estimator.bearings.journal import DEVIATING
 from estimator.bearings.terms import TERMS
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import ParameterDescription, describe
+from estimator.statics.film_deviations import SHARED
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.placed_films import placed_films
 
@@ -129,11 +129,9 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
     found = placed_films(coordinates)
     if found is None:
         raise ValueError("only coordinates of a train on oil films vary so")
-    films, deviations = found[1].own, found[1].deviations
+    films = found[1].own
     size = {
-        f"{film}.{term}": float(own)
-        for film, row in zip(deviations.names, deviations.own_size, strict=True)
-        for term, own in zip(DEVIATING, row, strict=True)
+        one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True) if form is not None
     }
     size |= {f"static_load.{one.id}.{name}": force for one in films.loads for name, force in _stated_forces(one).items()}
     excited = dict(zip(coordinates.names, values, strict=True))
@@ -222,7 +220,7 @@ def _way(
     if DEVIATION in said.quantity:
         term = said.quantity.partition(DEVIATION)[0]
         if term not in LEVELS:  # those that all films share stay
-            return _of_order(TERMS[term].order), 1.0 / size[f"{said.element_id}.{term}"]
+            return _of_order(TERMS[term].order), 1.0 / (size[said.element_id] * float(np.sqrt(1.0 - SHARED)))
     return None, 0.0
 
 

@@ -1,7 +1,7 @@
 """Deviations of real films from their model, by some per cent: Gaussian processes over speed.
 
 Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294. Their numbers are fitted with the others
-and not reported. The films of one run deviate by more than those of the machine: by what varies from run to run, besides.
+and not reported.
 """
 
 from dataclasses import dataclass
@@ -36,14 +36,12 @@ class FilmDeviations:
         forms: Form of each bearing, which states the size of its deviations.
         slowest: Lowest speed [rad/s].
         fastest: Highest speed [rad/s].
-        run_damping: Standard deviation of each direct damping from run to run, relative [-].
     """
 
     names: tuple[str, ...]
     forms: tuple[JournalForm, ...]
     slowest: float
     fastest: float
-    run_damping: float = 0.0
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
@@ -61,17 +59,6 @@ class FilmDeviations:
         )
 
     @cached_property
-    def own_size(self) -> Floats:
-        """Return the standard deviation (n, 7) of what each film's terms deviate by themselves in one run, relative [-].
-
-        Stiffness varies from run to run by too little to count, and cross-coupled damping by a part of itself, which is small.
-        """
-        stated = np.array([one.discrepancy for one in self.forms])
-        own = np.sqrt(1.0 - SHARED) * np.repeat(stated[:, None], len(DEVIATING), axis=1)
-        own[:, _DIRECT_DAMPING] = np.hypot(own[:, _DIRECT_DAMPING], self.run_damping)
-        return np.where(stated[:, None] > 0.0, own, 0.0)
-
-    @cached_property
     def _shapes(self) -> DeviationShapes:
         return DeviationShapes(self.slowest, self.fastest, left_out=LEFT_OUT)
 
@@ -84,8 +71,7 @@ class FilmDeviations:
         Returns:
             The deviations there.
         """
-        levels = np.sqrt(SHARED) * np.array([one.discrepancy for one in self.forms])
-        return DeviationCurves(self.own_size, levels, self._shapes.at(speed))
+        return DeviationCurves(np.array([one.discrepancy for one in self.forms]), self._shapes.at(speed))
 
 
 class DeviationCurves:
@@ -95,26 +81,25 @@ class DeviationCurves:
         count: Number of numbers D.
     """
 
-    def __init__(self, own_size: Floats, levels: Floats, shapes: Floats) -> None:
+    def __init__(self, size: Floats, shapes: Floats) -> None:
         """Prepare the deviations.
 
         Args:
-            own_size: Size of what each film's terms deviate by themselves (n, 7) [-].
-            levels: Size of what the direct terms of all films deviate by alike, of each film (n,) [-].
+            size: Size of each film's deviations (n,) [-].
             shapes: Shapes of a term's deviation (S, B) [-].
         """
-        self._films = levels.size
-        self._deviating = np.flatnonzero(levels > 0.0)
+        self._size = size
+        self._deviating = np.flatnonzero(size > 0.0)
         self._shapes = shapes
-        self._levels = levels
-        self._own_size = own_size[self._deviating]
+        self._levels = size * np.sqrt(SHARED)
+        self._own_size = size[self._deviating] * np.sqrt(1.0 - SHARED)
         own = self._deviating.size * len(DEVIATING) * shapes.shape[1]
         self.count = own + len(LEVELS) if own else 0
 
     @cached_property
     def per_number(self) -> Floats:
         """Return the relative deviations (S, 8n, D) per unit of each number [-]."""
-        each = np.eye(8 * self._films)[:, None, :] * np.ones((len(self._shapes), 1))
+        each = np.eye(8 * self._size.size)[:, None, :] * np.ones((len(self._shapes), 1))
         return np.ascontiguousarray(np.moveaxis(self.chained(each, slice(None)), 0, 2))
 
     def relative(self, numbers: Floats) -> Floats:
@@ -126,11 +111,11 @@ class DeviationCurves:
         Returns:
             Relative deviations (S, 8n) [-].
         """
-        found = np.zeros((self._films, len(TERMS), len(self._shapes)))
+        found = np.zeros((self._size.size, len(TERMS), len(self._shapes)))
         if self.count:
             own, levels = np.split(numbers, [self.count - len(LEVELS)])
             shaped = own.reshape(self._deviating.size, len(DEVIATING), -1) @ self._shapes.T
-            found[self._deviating] = self._own_size[:, _OF_TERM, None] * shaped[:, _OF_TERM]
+            found[self._deviating] = self._own_size[:, None, None] * shaped[:, _OF_TERM]
             for order, level in enumerate(levels):
                 found[:, _DIRECT[order]] += (self._levels * level)[:, None, None]
         return np.asarray(found.reshape(-1, len(self._shapes)).T)
@@ -147,10 +132,10 @@ class DeviationCurves:
         """
         if not self._deviating.size:
             return by_relative[:0]
-        films = by_relative.reshape(self._films, len(TERMS), *by_relative.shape[1:])
+        films = by_relative.reshape(self._size.size, len(TERMS), *by_relative.shape[1:])
         own = films[self._deviating][:, _FIRST]
         own[:, _SHARED_CROSS] += films[self._deviating][:, TERMS.index("cyx")]
-        own *= self._own_size[:, :, None, None]
+        own *= self._own_size[:, None, None, None]
         shaped = own[:, :, None] * self._shapes[block].T[:, :, None]
         levels = [np.tensordot(self._levels, films[:, _DIRECT[order]].sum(axis=1), 1) for order in range(len(LEVELS))]
         return np.concatenate([shaped.reshape(-1, *by_relative.shape[1:]), np.stack(levels)])
@@ -159,5 +144,4 @@ class DeviationCurves:
 _FIRST = [TERMS.index(name) for name in DEVIATING]
 _OF_TERM = [DEVIATING.index("cxy" if name == "cyx" else name) for name in TERMS]
 _SHARED_CROSS = DEVIATING.index("cxy")
-_DIRECT_DAMPING = [DEVIATING.index("cxx"), DEVIATING.index("cyy")]
 _DIRECT = [[place for place, one in enumerate(LATERAL) if one.direct and one.order == order] for order in range(len(LEVELS))]
