@@ -18,7 +18,7 @@ class Figure(BaseModel):
     runs: int | None = Field(description="newest runs whose mean it is; null: of an older release")
     allowed: float | None = Field(description="what is allowed of it, in the unit")
     before: float | None = Field(description="value in the baseline, in the unit")
-    against: str = Field(description="what it is told against: `baseline`, or `runs_before`, the ones just before the change")
+    against: str = Field(default="baseline", description="what it is told against: `baseline`, or `runs_before` a step")
     parameters: list[str] = Field(description="parameters whose common change it is, of those that the newest run determines")
 
 
