@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from msgspec import structs
 
+from benchmarks.fluid_film.film_bound import DRAWN_DISCREPANCY
 from benchmarks.fluid_film.film_trials import OPTIONS
 from benchmarks.kept_outcomes import kept_or_computed
 from estimator.alignment.alignment_change import alignment_changes
@@ -23,18 +24,20 @@ from tests.film_plant.documents import film_document, measured, measured_gaps
 from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, true_alignment
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import reference_plant
+from tests.film_plant.plants import Priors, reference_plant
 from tests.film_plant.scatter import run_of
 from tests.film_plant.scores import film_result_truths
 
 BASELINE = 6
 """Runs of a baseline."""
-SPREAD = 150e-6
-"""Spread of the elevations that documents state [m]; the truth is drawn otherwise."""
+SPREAD: dict[CouplingKind, float] = {"flexible": 60e-6, "rigid": 30e-6}
+"""Spread of the elevations that documents state [m]: with it, offsets and angles are believed to be as large as drawn."""
 SAMPLES = 150
 PRIOR_PART = 0.8
 """Largest error of a change that is called determined, as a part of what is believed possible [-]."""
-BELIEVED = replace(ONE_SUPPLY, elevation=SPREAD, rigid_elevation=SPREAD)
+BELIEVED: dict[CouplingKind, Priors] = {
+    kind: replace(ONE_SUPPLY, elevation=one, rigid_elevation=one) for kind, one in SPREAD.items()
+}
 
 
 @dataclass(frozen=True)
@@ -97,7 +100,7 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
     """Identify a baseline and one later run of a plant and compare what is told of alignment and loads with the truth."""
     rng = np.random.default_rng([seed, len(kind)])
     plant = plant_of(seed, kind)
-    machine = parse_machine(film_document(plant, priors=BELIEVED))
+    machine = parse_machine(film_document(plant, priors=BELIEVED[kind], discrepancy=DRAWN_DISCREPANCY))
     later = replace(plant, train=drawn(plant.train, MOVES[kind], rng))
     runs = [run_of(plant, rng) for _ in range(BASELINE)] + [run_of(later, rng)]
     fits = [identify(machine, measured(one, seed=100 * seed + number), OPTIONS) for number, one in enumerate(runs)]

@@ -5,6 +5,8 @@ Theory, 1968, sec. 2.4), with the priors from which the truth is drawn: films de
 less than what documents allow for.
 """
 
+from typing import Any
+
 import numpy as np
 
 from estimator.arrays import Floats
@@ -16,7 +18,7 @@ from estimator.rotor.condensation import condense
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import model_at
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import film_document
+from tests.film_plant.documents import film_document, without_run_scatter
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, Plant
 from tests.film_plant.scores import film_truths
 
@@ -29,12 +31,17 @@ LARGEST_STEP = 1e-4
 """Largest such step [-]."""
 
 
+def document_as_drawn(plant: Plant) -> dict[str, Any]:
+    """Return the document that allows for deviations of films as large as those that plants are drawn with."""
+    return without_run_scatter(film_document(plant, discrepancy=DRAWN_DISCREPANCY))
+
+
 def film_bound(plant: Plant, speed: Floats) -> dict[str, float]:
     """Return the least standard deviation that an estimate can have, by name of estimates and derived quantities [SI].
 
     That of a positive parameter is its logarithm's times its value.
     """
-    machine = parse_machine(film_document(plant, discrepancy=DRAWN_DISCREPANCY))
+    machine = parse_machine(document_as_drawn(plant))
     scale = float(max(abs(one.unbalance) for one in plant.train.discs))
     train = condense(machine, speed=speed, direction=np.ones(speed.size))
     coordinates = Coordinates.of(train, unbalance_scale=scale)

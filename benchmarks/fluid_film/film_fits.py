@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fluid_film.film_bound import DRAWN_DISCREPANCY
+from benchmarks.fluid_film.film_bound import document_as_drawn
 from benchmarks.fluid_film.film_trials import (
     KINDS,
     FilmTrial,
@@ -54,8 +54,8 @@ def film_fits(plants: int) -> list[ReportLine]:
 
 
 def as_drawn(plant: Plant, _: int) -> dict[str, Any]:
-    """Return the document that allows for deviations of films as large as those that plants are drawn with."""
-    return film_document(plant, discrepancy=DRAWN_DISCREPANCY)
+    """Return the document that allows for deviations as they are drawn."""
+    return document_as_drawn(plant)
 
 
 def _random(seed: int) -> Plant:

@@ -147,6 +147,32 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
     )
 
 
+def machine_spread(coordinates: Coordinates) -> Floats:
+    """Return how far each coordinate of a machine may be off, common to its runs: without what varies from run to run.
+
+    Args:
+        coordinates: The coordinates of a train on oil films.
+
+    Returns:
+        Standard deviations (n,) [-].
+    """
+    deviating = np.array([DEVIATION in describe(name).quantity for name in coordinates.names])
+    return np.where(deviating, np.minimum(coordinates.spread, 1.0), coordinates.spread)
+
+
+def machine_precision(coordinates: Coordinates) -> Floats:
+    """Return the precision of what is believed of a machine, common to its runs: without what varies from run to run.
+
+    Args:
+        coordinates: The coordinates of a train on oil films.
+
+    Returns:
+        Precision (n, n) [-].
+    """
+    part = machine_spread(coordinates) / coordinates.spread
+    return np.asarray(coordinates.prior.precision / np.outer(part, part))
+
+
 def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
     """Estimate how a machine varies from run to run from its baseline (variance components; Laird and Ware 1982).
 
@@ -165,10 +191,11 @@ def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
     ways = np.column_stack([np.eye(coordinates.size), scales.oil])
     numbers = (*scales.numbers, "oil")
     sizes = np.append(scales.scales, 1.0)
+    believed = machine_precision(coordinates)
     for _ in range(STEPS):
         spread = np.append(scales.own(variation), variation.oil)
         seen = [one.marginalised(ways * spread**2 @ ways.T) for one in runs]
-        common = np.linalg.inv(sum((one.information for one in seen), coordinates.prior.precision))
+        common = np.linalg.inv(sum((one.information for one in seen), believed))
         machine = common @ sum((one.vector for one in seen), np.zeros(coordinates.size))
         squares, told = np.zeros(spread.size), np.zeros(spread.size)
         for one in seen:

@@ -15,7 +15,7 @@ import numpy as np
 
 from estimator.alignment.compliant_couplings import compliant_couplings
 from estimator.alignment.freed_coordinates import MovingCause, freed_directions
-from estimator.alignment.healthy_films import coordinate_scales, learnt_variation
+from estimator.alignment.healthy_films import coordinate_scales, learnt_variation, machine_precision
 from estimator.alignment.run_likelihood import RunLikelihood, run_likelihood
 from estimator.alignment.season_of_run import season_of_run
 from estimator.arrays import Floats
@@ -123,7 +123,7 @@ def _estimated(
     """
     size = coordinates.size
     information = np.eye(size + ways.shape[1])
-    information[:size, :size] = sum((one.information for one in before), own.information) + coordinates.prior.precision
+    information[:size, :size] = sum((one.information for one in before), own.information) + machine_precision(coordinates)
     information[:size, size:], information[size:, :size] = own.information @ ways, ways.T @ own.information
     information[size:, size:] += ways.T @ own.information @ ways
     vector = np.concatenate([sum((one.vector for one in before), own.vector), ways.T @ own.vector])

@@ -13,7 +13,7 @@ import numpy as np
 
 from estimator.alignment.compliant_couplings import CompliantCouplings, compliant_couplings
 from estimator.alignment.film_loads import film_loads
-from estimator.alignment.healthy_films import coordinate_scales
+from estimator.alignment.healthy_films import coordinate_scales, machine_spread
 from estimator.alignment.run_likelihood import contained_prior
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
@@ -172,7 +172,7 @@ def _mean(
 ) -> tuple[Floats, Floats]:
     """Return the baseline's mean (N,) and its covariance (N, N), in units of the run-to-run variation [-]."""
     believed = np.array([channel_precision(name, baseline) for name in baseline[0].names]) * unit**2
-    believed[known] += (unit[known] / (coordinates.spread * coordinates.unit)) ** 2
+    believed[known] += (unit[known] / (machine_spread(coordinates) * coordinates.unit)) ** 2
     precision = np.diag(np.where(believed > 0.0, believed, UNKNOWN_PRECISION))
     pull = np.zeros(len(unit))
     pull[known] = believed[known] * (coordinates.point(coordinates.centre) - origin[known]) / unit[known]

@@ -1,7 +1,7 @@
 """Deviations of real films from their model, by some per cent: Gaussian processes over speed.
 
 Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294. Their numbers are fitted with the others
-and not reported.
+and not reported. The films of one run deviate by more than those of the machine: by what varies from run to run, besides.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,8 @@ LEVELS = ("all.stiffness_deviation", "all.damping_deviation")
 """Deviations that the direct terms of all films share at every speed: a solver, or an oil, is off for all of them alike."""
 SHARED = 0.4
 """Part of a deviation's variance that is shared so [-]."""
+DIRECT_DAMPING = ("cxx", "cyy")
+"""Terms that vary from run to run by enough to count."""
 LEFT_OUT = 0.001
 """Part of a deviation's variance that its left-out shapes may hold [-]: less than noise of 1 % shows."""
 
@@ -36,27 +38,34 @@ class FilmDeviations:
         forms: Form of each bearing, which states the size of its deviations.
         slowest: Lowest speed [rad/s].
         fastest: Highest speed [rad/s].
+        run_damping: Standard deviation of each direct damping from run to run, relative [-].
     """
 
     names: tuple[str, ...]
     forms: tuple[JournalForm, ...]
     slowest: float
     fastest: float
+    run_damping: float = 0.0
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """Return the D numbers: those of each term's shapes, film by film, then the levels that all films share."""
-        deviating = [name for name, form in zip(self.names, self.forms, strict=True) if form.discrepancy > 0.0]
-        names = [
-            f"{name}.{term}_deviation{shape}"
-            for name in deviating
+        """Return the D numbers: those of each term's shapes, film by film, then the levels that all films share.
+
+        They count what the document says that films deviate by. In one run direct dampings deviate by their scatter besides;
+        stiffness varies by too little to count, and cross-coupled damping by a part of itself, which is small.
+        """
+        deviating = [(name, form) for name, form in zip(self.names, self.forms, strict=True) if form.discrepancy > 0.0]
+        found = [
+            _number(f"{name}.{term}_deviation{shape}", self._spread(form) if term in DIRECT_DAMPING else 1.0)
+            for name, form in deviating
             for term in DEVIATING
             for shape in range(self._shapes.count)
         ]
-        names += LEVELS if deviating else ()
-        return tuple(
-            ModelParameter(f"films.{name}", "scale factor", "1", False, 0.0, 1.0, 1.0, nuisance=True) for name in names
-        )
+        return (*found, *(_number(name, 1.0) for name in LEVELS if deviating))
+
+    def _spread(self, form: JournalForm) -> float:
+        """Return what a film's direct damping deviates by in one run, over what it deviates by in all runs of a machine."""
+        return float(np.hypot(1.0, self.run_damping / (form.discrepancy * np.sqrt(1.0 - SHARED))))
 
     @cached_property
     def _shapes(self) -> DeviationShapes:
@@ -139,6 +148,10 @@ class DeviationCurves:
         shaped = own[:, :, None] * self._shapes[block].T[:, :, None]
         levels = [np.tensordot(self._levels, films[:, _DIRECT[order]].sum(axis=1), 1) for order in range(len(LEVELS))]
         return np.concatenate([shaped.reshape(-1, *by_relative.shape[1:]), np.stack(levels)])
+
+
+def _number(name: str, spread: float) -> ModelParameter:
+    return ModelParameter(f"films.{name}", "scale factor", "1", False, 0.0, 1.0, spread, nuisance=True)
 
 
 _FIRST = [TERMS.index(name) for name in DEVIATING]

@@ -119,6 +119,8 @@ def _untouched(machine: Machine) -> FilmModel:
     names = tuple(one.name for one in train.journals.values())
     return FilmModel(
         FilmParameters(train, tuple(map(forms.get, range(len(train.bearings)))), coupled_train(machine), machine.static_loads),
-        FilmDeviations(names, tuple(forms.values()), slowest, fastest),
+        FilmDeviations(
+            names, tuple(forms.values()), slowest, fastest, run_damping=machine.operation.healthy_variation.damping
+        ),
         NominalFilms(train, slowest, fastest),
     )

@@ -132,6 +132,11 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
     return said | ({"parameters": rules} if rules else {})
 
 
+def without_run_scatter(document: dict[str, Any]) -> dict[str, Any]:
+    """The document of a train whose films are the same in all runs."""
+    return document | {"operation": {"healthy_variation": {"damping": 0.0}}}
+
+
 def _own_coefficients(own: OwnCoefficients) -> dict[str, Any]:
     """The coefficients of a bearing that is no film, as they are believed: a number each, or a table over speed."""
     values = np.concatenate([own.stiffness.reshape(-1, 4), own.damping.reshape(-1, 4)], axis=1).T

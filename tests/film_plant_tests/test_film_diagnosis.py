@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from estimator.diagnosis.observation import observed_fit
-from estimator.fit.identification import Identification, Options
+from estimator.fit.identification import Identification
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus
@@ -47,8 +47,7 @@ def gated(one: Plant, seed: int, beginning: Identification | None) -> Identifica
     status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
     run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, machine().channels)
     begin = None if beginning is None else beginning.point
-    options = Options(starts=2 if beginning is None else 1)
-    found = identify_gated(machine(), [run], [measurement], options=options, beginning=begin).identification
+    found = identify_gated(machine(), [run], [measurement], beginning=begin).identification
     assert found is not None
     return found
 

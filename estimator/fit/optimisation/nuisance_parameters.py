@@ -1,7 +1,7 @@
 """Parameters that are fitted only for the due uncertainty of others: how many data they use up, whether they stay small.
 
-They are deviations of oil films from their model, each believed to be of unit size. The fit's estimates of them, δ, scatter
-with the covariance I - C, C being that which the data leave (Rasmussen and Williams, Gaussian Processes for Machine Learning,
+They are deviations of oil films from their model. The fit's estimates of them over the size that each is believed to have, δ,
+scatter with the covariance I - C, C being that which the data leave (Rasmussen and Williams, Gaussian Processes for Machine Learning,
 2006, sec. 2.2), and δᵀ (I - C)⁻¹ δ follows χ². Where it is far larger, the data want more deviation than the document says.
 """
 
@@ -110,7 +110,11 @@ def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floa
     film = np.array([describe(problem.coordinates.names[place]).element_id for place in which])
     judged = [(f"the oil film of {one} deviates from its model", which[film == one]) for one in sorted(set(film) - {SHARED})]
     judged.append(("oil films deviate from their model", which))
-    found_so = [(_surprise(found.theta[places], covariance[np.ix_(places, places)]), words) for words, places in judged]
+    size = np.array([problem.coordinates.parameters[place].spread for place in which])
+    numbers, left = np.zeros(found.theta.size), np.zeros_like(covariance)
+    numbers[which] = found.theta[which] / size
+    left[np.ix_(which, which)] = covariance[np.ix_(which, which)] / np.outer(size, size)
+    found_so = [(_surprise(numbers[places], left[np.ix_(places, places)]), words) for words, places in judged]
     (chance, times), words = min(found_so, key=lambda one: one[0][0])
     if chance >= SMALLEST_CHANCE:
         return ""

@@ -197,17 +197,26 @@ def test_the_documents_films_are_those_followed_speed_by_speed() -> None:
         np.testing.assert_allclose(one.position, other.position, atol=1e-12)
 
 
-def test_deviations_have_the_size_that_the_document_states() -> None:
-    model = film_model(parse_machine(document(discrepancy=0.05)))
+@pytest.mark.parametrize(
+    ("term", "run_damping", "size"),
+    [("kxx", 0.05, 0.05), ("cxx", 0.0, 0.05), ("cxx", 0.05, np.hypot(0.05, 0.05)), ("cxy", 0.05, 0.0387)],
+)
+def test_deviations_have_the_size_that_the_document_states(term: str, run_damping: float, size: float) -> None:
+    said = document(discrepancy=0.05) | {"operation": {"healthy_variation": {"damping": run_damping}}}
+    model = film_model(parse_machine(said))
     curves = model.at(SPEED)
     centre = np.array([one.centre for one in model.numbers])
     own, rng = curves.values(centre), np.random.default_rng(3)
     nuisance = np.array([one.nuisance for one in model.numbers])
-    kxx = 8 + TERMS.index("kxx")
+    whole = own.reshape(SPEED.size, -1, 8)[:, 1]
+    kind = term[0]
+    over = np.sqrt(np.abs(np.prod([whole[:, TERMS.index(f"{kind}{2 * axis}")] for axis in (term[1], term[2])], axis=0)))
+    column = 8 + TERMS.index(term)
     parts = [
-        curves.values(centre + nuisance * rng.standard_normal(centre.size))[:, kxx] / own[:, kxx] - 1.0 for _ in range(600)
+        (curves.values(centre + nuisance * rng.standard_normal(centre.size))[:, column] - own[:, column]) / over
+        for _ in range(600)
     ]
-    assert np.sqrt(np.mean(np.square(parts))) == pytest.approx(0.05, rel=0.1)
+    assert np.sqrt(np.mean(np.square(parts))) == pytest.approx(size, rel=0.1)
 
 
 def test_a_film_that_is_too_thin_has_no_coefficients() -> None:
