@@ -21,7 +21,7 @@ from estimator.updated_model.derived_quantities import Derived, derived_quantiti
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured, measured_gaps
-from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, true_alignment
+from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, spread_of_elevations, true_alignment
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Priors, reference_plant
@@ -30,14 +30,9 @@ from tests.film_plant.scores import film_result_truths
 
 BASELINE = 6
 """Runs of a baseline."""
-SPREAD: dict[CouplingKind, float] = {"flexible": 60e-6, "rigid": 30e-6}
-"""Spread of the elevations that documents state [m]: with it, offsets and angles are believed to be as large as drawn."""
 SAMPLES = 150
 PRIOR_PART = 0.8
 """Largest error of a change that is called determined, as a part of what is believed possible [-]."""
-BELIEVED: dict[CouplingKind, Priors] = {
-    kind: replace(ONE_SUPPLY, elevation=one, rigid_elevation=one) for kind, one in SPREAD.items()
-}
 
 
 @dataclass(frozen=True)
@@ -86,6 +81,12 @@ def plant_of(seed: int, kind: CouplingKind) -> Plant:
     return reference_plant(seed, kind, priors=ONE_SUPPLY, discrepancy=DiscrepancySize(), alter=left_off(kind))
 
 
+def believed_of(plant: Plant, kind: CouplingKind) -> Priors:
+    """Return what a document states: of elevations what offset and angle of the coupling, as they are drawn, ask for."""
+    spread = spread_of_elevations(plant, kind)
+    return replace(ONE_SUPPLY, elevation=spread, rigid_elevation=spread)
+
+
 def trial_of(seed: int, kind: CouplingKind) -> AlignmentTrial:
     """Return what became of a plant, computed where it is not kept."""
     return kept_or_computed(trial_name(seed, kind), AlignmentTrial, partial(alignment_trial, seed, kind))
@@ -100,7 +101,7 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
     """Identify a baseline and one later run of a plant and compare what is told of alignment and loads with the truth."""
     rng = np.random.default_rng([seed, len(kind)])
     plant = plant_of(seed, kind)
-    machine = parse_machine(film_document(plant, priors=BELIEVED[kind], discrepancy=DRAWN_DISCREPANCY))
+    machine = parse_machine(film_document(plant, priors=believed_of(plant, kind), discrepancy=DRAWN_DISCREPANCY))
     later = replace(plant, train=drawn(plant.train, MOVES[kind], rng))
     runs = [run_of(plant, rng) for _ in range(BASELINE)] + [run_of(later, rng)]
     fits = [identify(machine, measured(one, seed=100 * seed + number), OPTIONS) for number, one in enumerate(runs)]

@@ -17,7 +17,7 @@ from benchmarks.fluid_film.film_trials import (
 )
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import FILM_DISCREPANCY, film_document
+from tests.film_plant.documents import FILM_DISCREPANCY
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
 

@@ -26,6 +26,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import SCALE_FACTORS, describe
 from estimator.machine.under_conditions import under_conditions
 from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.identity_cache import cached_for_runs
 from estimator.rotor.parameters import unknowns
 from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 
@@ -51,6 +52,7 @@ def is_of_films(fit: ObservedFit, machine: Machine) -> bool:
     return set(_coordinates(machine).names) <= set(fit.coordinates)
 
 
+@cached_for_runs
 def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str, float | None]) -> Observation:
     """Return the observation of a run of a train on oil films (derived here: a posterior over its prior).
 

@@ -56,15 +56,26 @@ def left_off(kind: CouplingKind) -> Alteration:
 def true_alignment(plant: Plant) -> dict[str, complex]:
     """Offset [m] and angle [rad] of the coupling in each plane by name: of lines through each shaft's two bearings."""
     off = plant.train.elevations - plant.believed.elevations
-    stations = np.array([one.station for one in plant.train.bearings])
-    ends = {0: plant.train.shafts[0].length, 1: 0.0}
     found: dict[str, complex] = {}
     for plane, axis in (("vertical", 1), ("horizontal", 0)):
-        lines = {}
-        for shaft, end in ends.items():
-            own = [k for k, one in enumerate(plant.train.bearings) if one.shaft == shaft]
-            slope, height = np.polyfit(stations[own], off[own, axis], 1)
-            lines[shaft] = height + slope * end, slope
-        found[f"coupling.C1.offset_{plane}"] = complex(lines[1][0] - lines[0][0])
-        found[f"coupling.C1.angle_{plane}"] = complex(lines[1][1] - lines[0][1])
+        offset, angle = _alignment_of(plant, off[:, axis])
+        found[f"coupling.C1.offset_{plane}"], found[f"coupling.C1.angle_{plane}"] = complex(offset), complex(angle)
     return found
+
+
+def spread_of_elevations(plant: Plant, kind: CouplingKind) -> float:
+    """Least spread of single elevations [m] by which offset and angle of the coupling vary as much as they are left off."""
+    each = [_alignment_of(plant, raised) for raised in np.eye(len(plant.train.bearings))]
+    offset, angle = np.linalg.norm(each, axis=0)
+    return float(max(LEFT[kind].offset / offset, LEFT[kind].angle / angle))
+
+
+def _alignment_of(plant: Plant, elevation: Floats) -> tuple[float, float]:
+    """Offset [m] and angle [rad] of the coupling for the elevations (n,) of the bearings in one plane [m]."""
+    stations = np.array([one.station for one in plant.train.bearings])
+    lines = {}
+    for shaft, end in {0: plant.train.shafts[0].length, 1: 0.0}.items():
+        own = [k for k, one in enumerate(plant.train.bearings) if one.shaft == shaft]
+        slope, height = np.polyfit(stations[own], elevation[own], 1)
+        lines[shaft] = height + slope * end, slope
+    return float(lines[1][0] - lines[0][0]), float(lines[1][1] - lines[0][1])

@@ -1,8 +1,8 @@
 """Parameters that are fitted only for the due uncertainty of others: how many data they use up, whether they stay small.
 
-They are deviations of oil films from their model. The fit's estimates of them over the size that each is believed to have, δ,
-scatter with the covariance I - C, C being that which the data leave (Rasmussen and Williams, Gaussian Processes for Machine Learning,
-2006, sec. 2.2), and δᵀ (I - C)⁻¹ δ follows χ². Where it is far larger, the data want more deviation than the document says.
+They are deviations of oil films from their model. Their estimates over the size that each is believed to have, δ, scatter with
+the covariance I - C, C being that which the data leave (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006,
+sec. 2.2), and δᵀ (I - C)⁻¹ δ follows χ². Where it is far larger, the data want more deviation than the document says.
 """
 
 import numpy as np

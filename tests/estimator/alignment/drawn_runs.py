@@ -3,7 +3,7 @@
 import numpy as np
 from msgspec.structs import replace
 
-from estimator.alignment.healthy_films import coordinate_scales
+from estimator.alignment.healthy_films import coordinate_scales, machine_spread
 from estimator.arrays import Floats
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
@@ -20,8 +20,8 @@ SCALE = np.where(UNBALANCED, 1e-5, COORDINATES.spread)
 
 
 def drawn_machine(rng: np.random.Generator) -> Floats:
-    """Coordinates of a machine, drawn as they are believed."""
-    return COORDINATES.centre + np.where(UNBALANCED, 1e-3, SCALE * rng.standard_normal(SCALE.size))
+    """Coordinates of a machine, drawn as they are believed: without what varies from run to run."""
+    return COORDINATES.centre + np.where(UNBALANCED, 1e-3, machine_spread(COORDINATES) * rng.standard_normal(SCALE.size))
 
 
 def drawn_run(machine: Floats, variation: HealthyVariation, rng: np.random.Generator) -> Floats:

@@ -5,7 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.alignment.healthy_films import coordinate_scales, learnt_variation, stated_variation
+from estimator.alignment.healthy_films import (
+    coordinate_scales,
+    learnt_variation,
+    machine_precision,
+    machine_spread,
+    stated_variation,
+)
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import parse_machine
 from estimator.updated_model.model import UpdatedModel, expected_model
@@ -67,6 +73,18 @@ def test_oil_goes_together_and_elevations_grow_over_the_seasons() -> None:
     lifted = place("bearing.B2.elevation_y")
     assert np.sqrt(season[lifted, lifted]) * COORDINATES.unit[lifted] == pytest.approx(STATED.slow_elevation)
     assert season[place("bearing.B1.clearance"), first] == 0.0
+
+
+def test_what_is_believed_of_a_machine_is_that_of_a_run_without_what_varies_between_runs() -> None:
+    """The scatter of each run by itself makes up the rest."""
+    scales = coordinate_scales(COORDINATES, MODEL.values)
+    machine = machine_spread(COORDINATES)
+    varying = place("films.B1.cxx_deviation0")
+    assert COORDINATES.spread[varying] == pytest.approx(np.hypot(machine[varying], scales.own(STATED)[varying]))
+    assert machine[varying] == 1.0
+    others = [k for k, name in enumerate(COORDINATES.names) if ".cxx_dev" not in name and ".cyy_dev" not in name]
+    np.testing.assert_array_equal(machine[others], COORDINATES.spread[others])
+    np.testing.assert_allclose(machine_precision(COORDINATES), np.diag(machine**-2.0))
 
 
 def test_coefficients_of_bearings_beside_films_vary_as_those_of_couplings() -> None:

@@ -207,13 +207,13 @@ def test_deviations_have_the_size_that_the_document_states(term: str, run_dampin
     curves = model.at(SPEED)
     centre = np.array([one.centre for one in model.numbers])
     own, rng = curves.values(centre), np.random.default_rng(3)
-    nuisance = np.array([one.nuisance for one in model.numbers])
+    drawn = np.array([one.spread * one.nuisance for one in model.numbers])
     whole = own.reshape(SPEED.size, -1, 8)[:, 1]
     kind = term[0]
     over = np.sqrt(np.abs(np.prod([whole[:, TERMS.index(f"{kind}{2 * axis}")] for axis in (term[1], term[2])], axis=0)))
     column = 8 + TERMS.index(term)
     parts = [
-        (curves.values(centre + nuisance * rng.standard_normal(centre.size))[:, column] - own[:, column]) / over
+        (curves.values(centre + drawn * rng.standard_normal(centre.size))[:, column] - own[:, column]) / over
         for _ in range(600)
     ]
     assert np.sqrt(np.mean(np.square(parts))) == pytest.approx(size, rel=0.1)
