@@ -24,6 +24,7 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.film_parameter_names import unknown_forces, with_open_forces
 from estimator.machine.parameter_description import describe
+from estimator.symmetric_eigen import symmetric_eigen
 from estimator.updated_model.model import UpdatedModel, model_at
 from estimator.updated_model.placed_films import placed_films
 from estimator.updated_model.uncertainty import standard_errors
@@ -141,7 +142,7 @@ def _estimated(
 
 def _columns(covariance: Floats) -> Floats:
     """Return columns (n, s) whose products a covariance is."""
-    size, directions = np.linalg.eigh(covariance)
+    size, directions = symmetric_eigen(covariance)
     kept = size > NEGLIGIBLE * max(float(size[-1]), 1e-300)
     return np.asarray(directions[:, kept] * np.sqrt(size[kept]))
 

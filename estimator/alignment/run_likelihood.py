@@ -10,6 +10,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.problem.coordinates import Coordinates
+from estimator.symmetric_eigen import symmetric_eigen
 from estimator.updated_model.model import UpdatedModel
 
 WIDENED_ALONE = 0.1
@@ -85,7 +86,7 @@ def contained_prior(covariance: Floats, precision: Floats) -> tuple[Floats, Floa
         were widened beyond it [1/unit²].
     """
     root = np.linalg.cholesky(precision)
-    size, directions = np.linalg.eigh(root.T @ covariance @ root)
+    size, directions = symmetric_eigen(root.T @ covariance @ root)
     factor = max(1.0, float(size[-1 - int(WIDENED_ALONE * size.size)]))
     alone = size > (1.0 + ROUNDING) * factor
     size, columns = size[alone], (root @ directions)[:, alone]

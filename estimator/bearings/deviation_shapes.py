@@ -3,6 +3,7 @@
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.symmetric_eigen import symmetric_eigen
 
 CORRELATION_LENGTH = 0.4
 """Distance over which a deviation stays alike, as a part of the speed range, where nothing else is said [-]."""
@@ -32,7 +33,7 @@ class DeviationShapes:
         self.high = high
         self.length = length
         self.grid = np.linspace(0.0, 1.0, GRID)
-        variance, vectors = np.linalg.eigh(self._correlation(self.grid, self.grid))
+        variance, vectors = symmetric_eigen(self._correlation(self.grid, self.grid))
         variance, vectors = variance[::-1], vectors[:, ::-1]
         held = np.cumsum(variance) / variance.sum()
         count = int(np.searchsorted(held, 1.0 - left_out)) + 1

@@ -28,6 +28,7 @@ from estimator.machine.under_conditions import under_conditions
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.identity_cache import cached_for_runs
 from estimator.rotor.parameters import unknowns
+from estimator.symmetric_eigen import symmetric_eigen
 from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 
 STILL = 1e-3
@@ -199,6 +200,6 @@ def _still(coordinates: Coordinates) -> Floats:
 
 def _columns(covariance: Floats) -> Floats:
     """Return the columns (N, s) whose products a covariance is."""
-    size, directions = np.linalg.eigh(covariance)
+    size, directions = symmetric_eigen(covariance)
     kept = size > 1e-12 * max(float(size[-1]), 1e-300)
     return np.asarray(directions[:, kept] * np.sqrt(size[kept]))

@@ -15,6 +15,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.machine.parameter_description import is_direct
 from estimator.machine.rules import Condition
+from estimator.symmetric_eigen import symmetric_eigen
 from estimator.trends.parameter_vector import Point
 
 PRIOR_SCATTER = 0.02
@@ -129,12 +130,12 @@ def _ridge(change: Floats, points: Sequence[Point], *, prior: Floats, scatter: f
     """Regress on changes (n, k): slopes (p, k), axes (p, p), covariances (p, k, k); prior: standard deviations (k,)."""
     values = np.array([point.value for point in points])
     own = np.mean([point.covariance for point in points], axis=0)
-    variance, axes = np.linalg.eigh(own + scatter**2 * np.eye(own.shape[0]))
+    variance, axes = symmetric_eigen(own + scatter**2 * np.eye(own.shape[0]))
     along = (values - values.mean(axis=0)) @ axes
     precision = (change.T @ change)[None] / variance[:, None, None] + np.diag(prior**-2.0)[None]
     uncertainty = np.linalg.inv(precision)
     slope = np.einsum("akl,la->ak", uncertainty, change.T @ along / variance)
-    return axes @ slope, axes, uncertainty
+    return np.asarray(axes @ slope), axes, np.asarray(uncertainty)
 
 
 def _number(value: float | None) -> float:

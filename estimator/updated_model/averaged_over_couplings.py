@@ -16,6 +16,7 @@ from typing import Generic
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.symmetric_eigen import symmetric_eigen
 from estimator.updated_model.expected_at_stiffness import Expected, ExpectedAtStiffness, FittedNumbers, Prediction, TrainState
 from estimator.updated_model.uncertainty import standard_errors
 
@@ -114,7 +115,7 @@ def over_couplings(
 def _open_directions(fitted: FittedNumbers) -> Iterator[Floats]:
     """Yield the direction (r,) of each open principal stiffness among the fit's numbers of unit variance."""
     places = fitted.stiffnesses
-    spreads, axes = np.linalg.eigh(fitted.covariance[np.ix_(places, places)])
+    spreads, axes = symmetric_eigen(fitted.covariance[np.ix_(places, places)])
     for spread, axis in zip(spreads.tolist(), axes.T, strict=True):
         if spread > OPEN**2:
             yield fitted.factor[places].T @ axis / sqrt(spread)

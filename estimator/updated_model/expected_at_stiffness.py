@@ -18,6 +18,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.machine.parameter_description import describe
+from estimator.symmetric_eigen import symmetric_eigen
 
 TrainState = TypeVar("TrainState")
 KNOWN = 1e-6
@@ -80,7 +81,7 @@ class FittedNumbers:
         """
         size = np.sqrt(np.diag(self.covariance))
         unit = np.where(size > 0.0, size, 1.0)
-        spread, axes = np.linalg.eigh(self.covariance / np.outer(unit, unit))
+        spread, axes = symmetric_eigen(self.covariance / np.outer(unit, unit))
         uncertain = spread > KNOWN**2 * max(float(spread.max(initial=0.0)), 1.0)
         return np.asarray(unit[:, None] * axes[:, uncertain] * np.sqrt(spread[uncertain]))
 
@@ -134,7 +135,7 @@ class ExpectedAtStiffness(Generic[TrainState]):
         """
         self._fitted, self._reach, self._seen = fitted, reach, seen
         factor = fitted.factor
-        part, axes = np.linalg.eigh(factor.T @ fitted.prior @ factor)
+        part, axes = symmetric_eigen(factor.T @ fitted.prior @ factor)
         part = np.clip(part, 0.0, 1.0)  # a covariance that was widened may be wider than the prior
         self._prior, self._data = axes * part @ axes.T, axes * (1.0 - part) @ axes.T
         told = axes[:, 1.0 - part > TOLD]

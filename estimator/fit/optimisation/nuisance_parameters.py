@@ -13,6 +13,7 @@ from estimator.arrays import Floats
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.parameter_description import describe
+from estimator.symmetric_eigen import symmetric_eigen
 
 DETERMINED = 0.1
 """Part of a direction's prior variance from which on the data say something of it [-]."""
@@ -127,7 +128,7 @@ def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floa
 def _surprise(numbers: Floats, covariance: Floats) -> tuple[float, float]:
     """Return the probability that standard-normal numbers are as large as those of (k,) that are determined, and their rms."""
     scatter = np.eye(numbers.size) - covariance
-    variance, directions = np.linalg.eigh((scatter + scatter.T) / 2)
+    variance, directions = symmetric_eigen((scatter + scatter.T) / 2)
     seen = variance > DETERMINED
     if not seen.any():
         return 1.0, 0.0

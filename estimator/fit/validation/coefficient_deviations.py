@@ -17,6 +17,7 @@ from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem.gap_rows import linearised_gaps
+from estimator.symmetric_eigen import symmetric_eigen
 
 RULED_OUT = 6.6
 """Twice the logarithm of the likelihood ratio by which a size is ruled out [-]."""
@@ -135,7 +136,7 @@ class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
     @cached_property
     def _independent(self) -> tuple[Floats, Floats]:
         """Return the information (D,) of independent deviations, never less than none, and these (D, D) by column."""
-        information, vectors = np.linalg.eigh((self.curvature + self.curvature.T) / 2)
+        information, vectors = symmetric_eigen((self.curvature + self.curvature.T) / 2)
         return np.maximum(information, 0.0), vectors
 
     @cached_property

@@ -20,6 +20,7 @@ from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.form_discrepancy import SIGNIFICANT, FormVerdict
 from estimator.machine.parameter_description import describe
+from estimator.symmetric_eigen import symmetric_eigen
 
 LARGEST_TIMES = 20.0
 """Largest spread of factors that is looked for, in spreads that are stated [-]."""
@@ -92,7 +93,7 @@ def _likeliest_times(
     prior = problem.coordinates.prior
     posterior = np.linalg.inv(covariance[np.ix_(places, places)])
     information = (posterior - prior.precision[np.ix_(places, places)]) * np.outer(spread, spread)
-    size, directions = np.linalg.eigh((information + information.T) / 2)
+    size, directions = symmetric_eigen((information + information.T) / 2)
     seen = np.maximum(size, 0.0)
     power = (directions.T @ (spread * (posterior @ (found.theta - prior.centre)[places]))) ** 2
 
