@@ -19,9 +19,6 @@ def symmetric_eigen(matrix: Floats) -> tuple[Floats, Floats]:
 
     Returns:
         Eigenvalues (n,), ascending [that unit], and the eigenvectors (n, n), one a column [-].
-
-    Raises:
-        ValueError: Neither converges, since entries are not finite.
     """
     try:
         values, vectors = np.linalg.eigh(matrix)
