@@ -21,7 +21,7 @@ from estimator.updated_model.derived_quantities import Derived, derived_quantiti
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured, measured_gaps
-from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, spread_of_elevations, true_alignment
+from tests.film_plant.misalignment import LEFT, ONE_SUPPLY, drawn, left_off, spread_of_elevations, true_alignment
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Priors, reference_plant
@@ -102,7 +102,7 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
     rng = np.random.default_rng([seed, len(kind)])
     plant = plant_of(seed, kind)
     machine = parse_machine(film_document(plant, priors=believed_of(plant, kind), discrepancy=DRAWN_DISCREPANCY))
-    later = replace(plant, train=drawn(plant.train, MOVES[kind], rng))
+    later = replace(plant, train=drawn(plant.train, LEFT[kind], rng))
     runs = [run_of(plant, rng) for _ in range(BASELINE)] + [run_of(later, rng)]
     fits = [identify(machine, measured(one, seed=100 * seed + number), OPTIONS) for number, one in enumerate(runs)]
     refused = tuple(one.verdict for one in fits if not one.accepted)

@@ -25,9 +25,7 @@ class Misalignment:
 
 
 LEFT: dict[CouplingKind, Misalignment] = {"flexible": Misalignment(100e-6, 100e-6), "rigid": Misalignment(40e-6, 50e-6)}
-"""Alignment errors that couplings of a kind are left with."""
-MOVES: dict[CouplingKind, Misalignment] = {"flexible": Misalignment(50e-6, 25e-6), "rigid": Misalignment(20e-6, 10e-6)}
-"""Distances by which they move later."""
+"""Alignment errors that couplings of a kind are left with, and distances by which they move later."""
 
 
 def moved(train: Train, *, offset: Floats, angle: Floats) -> Train:
