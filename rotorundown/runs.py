@@ -140,7 +140,8 @@ def read_run(
     `gap_grows` of the document says. Without times the rate of the sweep is not judged.
 
     Args:
-        source: Path of a CSV file, whose sidecar is used where one stands beside it; or a data frame, or a mapping of columns.
+        source: Path of a CSV file or a measuring system's, whose sidecar is used where one stands beside it; or a data frame,
+            a mapping of columns, or a structured array.
         machine: The machine.
         sidecar: Path of another sidecar, for a file.
         speed_unit: Unit of the speeds.
