@@ -24,6 +24,7 @@ from estimator.units import (
     SpeedUnit,
     rad_per_s_to_rpm,
 )
+from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import decimal_points, decoded, no_text
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
@@ -217,7 +218,7 @@ def read_csv_table(path: Path) -> RunTable:
     except UnicodeDecodeError:
         raise WrongRun(no_text(path)) from None
     except (OSError, csv.Error) as error:
-        raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+        raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}{like_named(path)}") from None
     if not any(rows[:1]) or not any(rows[1:]):
         raise WrongRun(empty_table_text(path))
     header, *body = rows

@@ -166,8 +166,6 @@ def read_run(
     path = found_example(Path(source))
     if path.is_dir():
         raise WrongRun(f"{path} is a folder: name a file of it")
-    if path.suffix in (".yaml", ".yml", ".json"):
-        raise WrongRun(f"{path} is no recording: name the table of the run, such as a CSV file")
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)
     if sidecar is None and is_plain_table(path):
         return _run_of_plain_file(path, machine, units)

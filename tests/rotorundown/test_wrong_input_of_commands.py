@@ -66,6 +66,24 @@ def test_decimal_commas_beside_a_sidecar_are_one_line(tmp_path: Path) -> None:
     assert line.endswith("line 2: '3596,4' in column 'speed_rpm' is not a number: write numbers with a decimal point")
 
 
+def test_misspelt_files_get_those_like_them(tmp_path: Path) -> None:
+    file = tmp_path / "healthy.csv"
+    assert invoked("sample", str(PUMP), str(file)).exit_code == 0
+    wrong = tmp_path / "helthy.csv"
+    missing = invoked("identify", str(PUMP), str(wrong))
+    assert missing.stderr == f"rundown: {wrong}: no such file; did you mean 'healthy.csv'?\n"
+    checked = invoked("check", str(PUMP), str(wrong))
+    assert f"{wrong}: No such file or directory; did you mean 'healthy.csv'?\n" in checked.output
+    shutil.copy(PUMP, tmp_path / "pump-12.yaml")
+    ended = invoked("check", str(tmp_path / "pump.yaml"))
+    assert ended.stderr.endswith("No such file or directory; did you mean 'pump-12.yaml'?\n")
+
+
+def test_a_document_in_a_recording_s_place_is_said() -> None:
+    ended = invoked("identify", str(PUMP), str(PUMP))
+    assert ended.stderr == f"rundown: {PUMP} is no recording: name the table of the run, such as a CSV file\n"
+
+
 def test_nothing_is_coloured_where_the_terminal_has_no_colours() -> None:
     for arguments in (("--help",), ("identify", "--help"), ("identify",), ("nothing",)):
         assert "\x1b" not in invoked(*arguments).output

@@ -26,6 +26,11 @@ def test_days_have_bounds(database: Database, days: str) -> None:
         assert not keys.any_exist(session)
 
 
+def test_a_misspelt_role_gets_those_like_it(database: Database) -> None:
+    said = refused("create", "anna", "--role", "amdin", "--database", database.url)
+    assert said.endswith("; did you mean 'admin'?")
+
+
 @pytest.mark.parametrize("plant", ["", "p\n1", "p\n", "p,q", "p" * 65])
 def test_a_plant_is_named_as_machines_name_it(database: Database, plant: str) -> None:
     said = refused("create", "anna", "--role", "viewer", "--plant", "p1", "--plant", plant, "--database", database.url)
