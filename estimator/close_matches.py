@@ -26,7 +26,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def close_names(name: str, known: Iterable[str]) -> list[str]:
-    """Return the names that are like the one given, the closest first; `coupling.C1.kxx` is like `C1.kxx`, too.
+    """Return the names that are like the one given, in capitals or not, the closest first; a name is like its own end, too.
+
+    So `coupling.C1.kxx` is like `c1.kxx`.
 
     Args:
         name: The name.
@@ -35,8 +37,13 @@ def close_names(name: str, known: Iterable[str]) -> list[str]:
     Returns:
         At most `MOST_MATCHES` of them.
     """
-    names = list(known)
-    ends = [one for one in names if one.endswith(f".{name}")]
+    sought = name.casefold()
+    forms: dict[str, list[str]] = {}
+    for one in known:
+        whole = one.casefold()
+        end = ".".join(whole.split(".")[-1 - sought.count(".") :])
+        for form in dict.fromkeys([end, whole]):
+            forms.setdefault(form, []).append(one)
     least = SHORT_LIKENESS if len(name) <= SHORT else LIKENESS
-    alike = difflib.get_close_matches(name, names, n=MOST_MATCHES, cutoff=least)
-    return list(dict.fromkeys([*ends, *alike]))[:MOST_MATCHES]
+    alike = difflib.get_close_matches(sought, forms, n=MOST_MATCHES, cutoff=least)
+    return list(dict.fromkeys(one for form in alike for one in forms[form]))[:MOST_MATCHES]

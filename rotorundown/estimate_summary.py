@@ -25,7 +25,7 @@ REFUSED_VALUES = "Where the refused fit ended; these are no results, neither the
 
 
 def element_lines(estimates: Sequence[Estimate]) -> list[str]:
-    """Return a line per element, and what is left out of them."""
+    """Return a line per element, the first `MOST_ELEMENTS` of them."""
     elements: dict[str, list[Estimate]] = {}
     for one in estimates:
         elements.setdefault(one.element, []).append(one)
@@ -35,7 +35,7 @@ def element_lines(estimates: Sequence[Estimate]) -> list[str]:
     left_out = len(lines) - MOST_ELEMENTS
     if left_out > 0:
         lines = [*lines[:MOST_ELEMENTS], f"and {left_out} more elements"]
-    return [*lines, "", "All parameters: to_frame(); one of them: result['NAME']"]
+    return lines
 
 
 def within_screen(line: str) -> str:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 CANDIDATE_SPEEDS = 60
 """Number of speeds of which the most helpful are chosen."""
+ALL_PARAMETERS = "All parameters: to_frame(); one of them: result['NAME']"
 COLUMNS = ("element", "quantity", "value", "standard_error", "lower", "upper", "imaginary", "imaginary_standard_error", "unit")
 """Columns of a table of estimates, beside `reason`."""
 
@@ -177,7 +178,7 @@ class Result(Struct, frozen=True, eq=False, dict=True):
         ]
         heading = [] if found.accepted else [REFUSED_VALUES]
         told = [within_screen(line) for line in (f"{self.machine.id}: {head}", size, *findings)]
-        return "\n".join([*told, "", *heading, *element_lines(found.estimates)])
+        return "\n".join([*told, "", *heading, *element_lines(found.estimates), "", ALL_PARAMETERS])
 
     __repr__ = __str__
 

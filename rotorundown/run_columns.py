@@ -15,6 +15,7 @@ AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
 PHASE_ENDS = ("_phase", "_lag_deg")
 GAP_END = "_gap_um"
 """End of the names of columns of mean gaps [µm], as the probes' `gap_grows` of the document says that they grow."""
+OTHER_SEPARATORS = (";", "\t")
 MOST_NAMED = 5
 """Most columns that an error names of those that are too long or too short."""
 TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
@@ -26,16 +27,21 @@ class WrongRun(Invalid):
 
 
 def columns_of(source: Any) -> dict[str, Floats]:
-    """Return the columns (S,) of a data frame or a mapping by name, a frame's index among them where it is the time or speed.
+    """Return the columns (S,) of a data frame, a mapping or a structured array by name.
 
-    Raises WrongRun.
+    A frame's index is among them where it is the time or speed. Raises WrongRun.
     """
     if hasattr(source, "read") and not hasattr(source, "keys"):
         raise WrongRun(f"a run is a file's path, not an opened file ({type(source).__name__}): give its path")
+    if of_array := getattr(getattr(source, "dtype", None), "names", None):
+        source = {name: source[name] for name in of_array}
     if not hasattr(source, "keys") or not hasattr(source, "__getitem__") or getattr(source, "ndim", 2) == 1:
-        raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}")
+        right = ": give its columns by name, {'speed_rpm': …}" if hasattr(source, "ndim") else ""
+        raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}{right}")
     given = list(source.keys())
     names = [known_name(str(name)) for name in given]
+    if len(names) == 1 and (sign := separator_of(names[0])) != ",":
+        raise WrongRun(f"the table has a single column, whose cells {sign!r} separates: read it with sep={sign!r}")
     require_different(names)
     columns = {name: _numbers(name, source[key]) for name, key in zip(names, given, strict=True)}
     columns |= dict(_of_index(getattr(source, "index", None), names))
@@ -43,6 +49,11 @@ def columns_of(source: Any) -> dict[str, Floats]:
         raise WrongRun("the run has no samples: each column must hold at least one number")
     require_equal_length(columns)
     return columns
+
+
+def separator_of(header: str) -> str:
+    """Return what separates the names in a header line: commas, or where there are none semicolons or tabs."""
+    return next((sign for sign in OTHER_SEPARATORS if sign in header and "," not in header), ",")
 
 
 def require_equal_length(columns: Mapping[str, Floats]) -> None:

@@ -1,6 +1,7 @@
 """Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
 
 import csv
+import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -23,7 +24,9 @@ from estimator.units import (
     SpeedUnit,
     rad_per_s_to_rpm,
 )
+from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text
+from formats.recordings.exported_table import decimal_points, decoded, no_text
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
@@ -37,11 +40,11 @@ from rotorundown.run_columns import (
     is_known_name,
     known_name,
     require_different,
+    separator_of,
 )
 from storage.clock import now
 from storage.encoding.sample_blocks import Samples
 
-OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
 """Columns whose names give the unit of the speed."""
 UNIT_OPTIONS = {
@@ -204,30 +207,30 @@ def _other_gap(column: str, machine: Machine) -> str | None:
 
 
 def read_csv_table(path: Path) -> RunTable:
-    """Read a CSV file with a header line. Raises WrongRun."""
+    """Read a CSV file with a header line; where semicolons or tabs separate columns, decimals may have a comma.
+
+    Raises WrongRun.
+    """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.reader(file, strict=True))
+        text = decoded(path.read_bytes())
+        separator = separator_of(text.partition("\n")[0])
+        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True))
     except UnicodeDecodeError:
-        raise WrongRun(f"{path} is no text in UTF-8: save it as CSV in UTF-8") from None
+        raise WrongRun(no_text(path)) from None
     except (OSError, csv.Error) as error:
-        raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+        raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}{like_named(path)}") from None
     if not any(rows[:1]) or not any(rows[1:]):
         raise WrongRun(empty_table_text(path))
     header, *body = rows
-    separator = next((words for sign, words in OTHER_SEPARATORS.items() if sign in header[0]), None)
-    if len(header) == 1 and separator:
-        raise WrongRun(
-            f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point, or give it a sidecar"
-        )
     require_different([known_name(name) for name in header])
     for line, row in enumerate(body, start=2):
         if row and len(row) != len(header):
             raise WrongRun(
                 f"{path}, line {line} has {len(row)} cells, its header {len(header)}; where numbers have a decimal comma, "
-                "write a point"
+                "write a point, or separate columns by semicolons"
             )
-    return RunTable.of({name: [row[i] for row in body if row] for i, name in enumerate(header)})
+    point = decimal_points(separator)
+    return RunTable.of({name: [point(row[i].strip()) for row in body if row] for i, name in enumerate(header)})
 
 
 def _first_names(columns: Iterable[str]) -> str:

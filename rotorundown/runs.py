@@ -140,7 +140,8 @@ def read_run(
     `gap_grows` of the document says. Without times the rate of the sweep is not judged.
 
     Args:
-        source: Path of a CSV file, whose sidecar is used where one stands beside it; or a data frame, or a mapping of columns.
+        source: Path of a CSV file or a measuring system's, whose sidecar is used where one stands beside it; or a data frame,
+            a mapping of columns, or a structured array.
         machine: The machine.
         sidecar: Path of another sidecar, for a file.
         speed_unit: Unit of the speeds.
@@ -165,8 +166,6 @@ def read_run(
     path = found_example(Path(source))
     if path.is_dir():
         raise WrongRun(f"{path} is a folder: name a file of it")
-    if path.suffix in (".yaml", ".yml", ".json"):
-        raise WrongRun(f"{path} is no recording: name the table of the run, such as a CSV file")
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)
     if sidecar is None and is_plain_table(path):
         return _run_of_plain_file(path, machine, units)

@@ -53,7 +53,7 @@ storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine 
 storage/operation: estimator storage storage/alerts storage/database storage/encoding storage/findings storage/machines
     storage/tables
 formats:
-formats/files: estimator/bearings estimator/machine estimator/machine/checks
+formats/files: estimator estimator/bearings estimator/machine estimator/machine/checks
 formats/wire: estimator estimator/machine estimator/phasors storage storage/encoding
 formats/recordings: estimator estimator/calibration estimator/machine estimator/phasors formats/files formats/wire
     storage storage/files

@@ -29,6 +29,7 @@ PARSERS = {
     "estimator/rotor/parameter_names.py": "numbers of critical speeds, which no machine document names",
     "estimator/bearings/table.py": "a bearing model stands below the parser; it cuts the term off",
     "service/wording/language.py": "the kind of an element is the key of its word in each language",
+    "estimator/close_matches.py": "names of any kind, which it compares and does not understand",
     "service/security/tokens.py": "paths of claims",
     "service/__main__.py": "names of modules",
     "rotorundown/environment/optional_packages.py": "names of modules",

@@ -7,6 +7,7 @@ from typing import Any
 
 from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
+from formats.files.like_named_files import like_named
 from formats.files.table_files import WrongTableFile, with_table_columns
 
 
@@ -36,7 +37,7 @@ def read_yaml(path: Path) -> Any:
         right = ": indent with spaces, not with tabs" if "'\\t'" in str(error.problem) else ""
         raise UnreadableFile(f"{path}{line} is neither YAML nor JSON: {error.problem}{right}") from error
     except OSError as error:
-        raise UnreadableFile(f"{path}: {error.strerror}") from error
+        raise UnreadableFile(f"{path}: {error.strerror}{like_named(path)}") from error
     except RecursionError as error:
         raise UnreadableFile(f"{path}: lists and fields lie too deep in each other") from error
     except UnreadableFile:

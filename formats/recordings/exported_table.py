@@ -9,6 +9,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 SEPARATORS = (",", ";", "\t")
 LONGEST_HEAD = 200
@@ -24,6 +25,11 @@ def decoded(content: bytes) -> str:
     Its lines end as on any system. Raises UnicodeDecodeError.
     """
     return _text(content).replace("\r\n", "\n").replace("\r", "\n")
+
+
+def no_text(path: Path) -> str:
+    """Return what is wrong with a file that cannot be decoded, and what would be right."""
+    return f"{path} is no text in UTF-8: save it as CSV in UTF-8"
 
 
 def _text(content: bytes) -> str:
@@ -59,7 +65,7 @@ def exported_rows(text: str) -> list[tuple[int, ExportedRow]]:
             continue
         # Above a line of units some cells of which are blank.
         names = _named(next((cells for cells in table[head:first] if all(cells)), table[head]))
-        decimal, gap = _decimal(separator), [None] * len(names)
+        decimal, gap = decimal_points(separator), [None] * len(names)
         return [
             (line, dict(zip(names, [*map(decimal, cells), *gap], strict=False)))
             for line, cells in numbered[first:]
@@ -79,7 +85,7 @@ def is_plain(text: str) -> bool:
 
 def _has_numbers(cells: Sequence[str], separator: str) -> bool:
     """Return whether most of a line's cells are numbers, two at least."""
-    turned = _decimal(separator)
+    turned = decimal_points(separator)
     count = sum(_is_number(turned(cell)) for cell in cells)
     return count >= 2 and 2 * count >= len([cell for cell in cells if cell])
 
@@ -92,7 +98,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _decimal(separator: str) -> Callable[[str], str]:
+def decimal_points(separator: str) -> Callable[[str], str]:
     """Return the function that replaces decimal commas by points; it changes nothing where commas separate columns."""
 
     def turned(cell: str) -> str:

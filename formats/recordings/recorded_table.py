@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from formats.files.document_files import UnreadableFile
 from formats.recordings.empty_table import empty_table_text
-from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_plain
+from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_plain, no_text
 from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
 
@@ -42,7 +42,9 @@ class RecordedTable(Struct, frozen=True):
         try:
             text = decoded(path.read_bytes())
             rows = _rows(text) if text.strip() else []
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
+        except UnicodeDecodeError:
+            raise UnreadableFile(no_text(path)) from None
+        except (OSError, csv.Error) as error:
             raise UnreadableFile(f"{path}: {error}") from error
         if not rows:
             raise UnreadableFile(empty_table_text(path))
@@ -84,7 +86,10 @@ class RecordedTable(Struct, frozen=True):
         try:
             return float(text)
         except ValueError:
-            raise UnreadableFile(f"{self.path}, {self.places[row]}: '{text}' in column '{name}' is not a number") from None
+            right = ": write numbers with a decimal point" if "," in text else ""
+            raise UnreadableFile(
+                f"{self.path}, {self.places[row]}: '{text}' in column '{name}' is not a number{right}"
+            ) from None
 
 
 def _rows(text: str) -> list[tuple[int, ExportedRow]]:

@@ -21,6 +21,7 @@ from estimator.machine.document import Machine, field_path
 from estimator.units import RADIANS
 from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
+from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text, is_blank
 from formats.recordings.recorded_table import MissingColumn, RecordedTable
 from formats.recordings.sidecar_place import sidecar_of
@@ -178,7 +179,9 @@ def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
         raise UnreadableFile(f"{path} is a folder, not a recording")
     beside = sidecar_path or sidecar_of(path)
     if not path.exists():
-        raise UnreadableFile(f"{path}: no such file")
+        raise UnreadableFile(f"{path}: no such file{like_named(path)}")
+    if path.suffix in (".yaml", ".yml", ".json"):
+        raise UnreadableFile(f"{path} is no recording: name the table of the run, such as a CSV file")
     if path.suffix.lower() in SPREADSHEETS:
         raise UnreadableFile(f"{path} is a spreadsheet: save its table as CSV")
     if not beside.exists():

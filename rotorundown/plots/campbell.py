@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 def campbell_diagram(found: Campbell) -> "Figure":
     """Draw natural frequencies [cycles/min] over speed [r/min] with the 1× line and the critical speeds on it."""
     drawn, axes = figure(1, 1)
+    drawn.set_size_inches(8.0, 5.0)
     plot = axes[0, 0]
     speed = found.speed / RAD_PER_S["rpm"]
     plot.plot(speed, found.frequency / RAD_PER_S["rpm"], color=FITTED, lw=1)

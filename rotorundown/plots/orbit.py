@@ -28,6 +28,12 @@ def orbits(result: PlottedResult, speed_rpm: float) -> "Figure":
         or not 0.0 < float(speed_rpm) < np.inf
     ):
         raise NoOrbit(f"an orbit is drawn at one speed [r/min], such as 2980.0, not {speed_rpm!r}")
+    limits = result.machine.speed_range
+    if not limits.minimum_rpm <= float(speed_rpm) <= limits.maximum_rpm:
+        raise NoOrbit(
+            f"{float(speed_rpm):g} r/min lies outside the range of '{result.machine.id}', "
+            f"{limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min"
+        )
     stations = [one for one in probe_stations(result.machine) if one.sees_both_axes]
     if not stations:
         raise NoOrbit(f"'{result.machine.id}' has no station with two probes at different angles, which an orbit needs")

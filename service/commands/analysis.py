@@ -49,9 +49,12 @@ def identify_offline(
     slow_roll: Annotated[
         str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [r/min]")
     ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="print every parameter, with the reason where the data do not determine it")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
+    """Identify a machine from recorded runs, without a service, and print estimates ± standard errors, a line per element.
 
     Ends with status 1 when the fit is not accepted.
     """
@@ -80,7 +83,7 @@ def identify_offline(
     if as_json:
         _print_json(described, result, files, sidecar, found.qualities, helpful)
     else:
-        _print(described, result, measurement, files[0], sidecar)
+        _print(described, result, measurement, files[0], sidecar, every=every)
         for told in (text and f"\n{text}", "" if helpful is None else advice_text(helpful)):
             if told:
                 print_text(told)
@@ -105,7 +108,15 @@ def _printed_by_mounting(machine: Path, files: list[Path], sidecar: Path | None,
     return bool(mountings)
 
 
-def _print(machine: "Machine", result: "Identification", measurement: "Measurement", file: Path, sidecar: Path | None) -> None:
+def _print(
+    machine: "Machine",
+    result: "Identification",
+    measurement: "Measurement",
+    file: Path,
+    sidecar: Path | None,
+    *,
+    every: bool,
+) -> None:
     """Print estimates, and what a calibrated machine has gained and how couplings are aligned."""
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
@@ -114,7 +125,7 @@ def _print(machine: "Machine", result: "Identification", measurement: "Measureme
     from service.commands.results.alignment_report import alignment_text
     from service.commands.results.identification_report import beyond_stated_weights, identification_text, since_text
 
-    print_text(identification_text(result))
+    print_text(identification_text(result, every=every))
     since = unbalance_since(machine, result)
     if since is not None:
         scale, direction = stated_scale(machine, file, sidecar)

@@ -13,6 +13,7 @@ from estimator.field_types import Identifier
 from service.commands.exit import fail
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
+from service.commands.unknown_names import fail_for_unknown_key
 from service.security.role import Role
 
 if TYPE_CHECKING:
@@ -110,8 +111,10 @@ def rotate_key(
             with opened.transaction() as session:
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
                 made = _plain_key(row, at=now())
-        except (KeyUnknown, ValueError) as error:
-            fail(error.detail if isinstance(error, KeyUnknown) else str(error))
+        except KeyUnknown:
+            fail_for_unknown_key(opened, prefix)
+        except ValueError as error:
+            fail(str(error))
     if as_json:
         print_json({"key": text, **made, "replaces": prefix, "overlap_days": overlap_days})
         return
@@ -143,8 +146,10 @@ def confirm_key(
                 )
                 for one in chosen:
                     api_keys.confirm(session, one)
-        except (KeyUnknown, ValueError) as error:
-            fail(error.detail if isinstance(error, KeyUnknown) else str(error))
+        except KeyUnknown as error:
+            fail_for_unknown_key(opened, str(error))
+        except ValueError as error:
+            fail(str(error))
     if as_json:
         print_json({"confirmed": chosen})
         return
@@ -161,8 +166,8 @@ def revoke_key(prefix: Prefix, database: DatabaseOption = None, as_json: JsonOpt
         try:
             with opened.transaction() as session:
                 api_keys.revoke(session, prefix)
-        except KeyUnknown as error:
-            fail(error.detail)
+        except KeyUnknown:
+            fail_for_unknown_key(opened, prefix)
     if as_json:
         print_json({"revoked": prefix})
         return

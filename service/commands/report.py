@@ -11,6 +11,7 @@ from service.commands.find_language import find_language
 from service.commands.json_output import JsonOption, print_json
 from service.commands.storage import DatabaseUrl, database_url
 from service.commands.terminal import print_line, working
+from service.commands.unknown_names import fail_for_unknown_machine
 
 
 def report(
@@ -60,7 +61,7 @@ def report(
                 )
             output.write_bytes(report_pdf(contents))
     except MachineUnknown:
-        fail(f"no machine '{machine}' is known")
+        fail_for_unknown_machine(opened, machine)
     except (PrinterMissing, OSError) as error:
         fail(words_of(error))
     finally:

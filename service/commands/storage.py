@@ -8,6 +8,7 @@ import typer
 from service.commands.exit import fail, words_of
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
+from service.commands.unknown_names import fail_for_unknown_machine
 from service.configuration.settings import SettingsWrong, settings_of
 
 DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
@@ -137,7 +138,7 @@ def export(
             for name, count in written.items():
                 print_line(f"{name:24s} {count:12d}")
     except MachineUnknown:
-        fail(f"no machine '{machine}' is known")
+        fail_for_unknown_machine(opened, machine)
     except (ParquetMissing, OSError) as error:
         fail(words_of(error))
     finally:

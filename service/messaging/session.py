@@ -13,8 +13,11 @@ from service.messaging.access_control import StreamSecurity
 logger = logging.getLogger(__name__)
 
 ROUTER, PEER = "router", "peer"
-ENDPOINT = re.compile(r"[^/\s]+/\S")
-"""Beginning of an endpoint: protocol and address."""
+ENDPOINT = re.compile(r"[^/\s]+/\S+")
+"""An endpoint: protocol and address."""
+OVER_NETWORK = ("tcp/", "tls/", "udp/", "quic/", "ws/", "wss/")
+"""Beginnings of endpoints whose address ends with a port, perhaps before parameters."""
+PORT = re.compile(r":\d+(?=$|[?#])")
 
 
 class StreamUnusable(RuntimeError):
@@ -50,19 +53,21 @@ def open_session(
         # A router waits this long for discovery before `open` returns.
         settings["scouting/delay"] = 0
     settings |= {} if security is None else security.configuration()
+    if malformed := [one for one in (*listen, *connect) if not _is_endpoint(one)]:
+        raise StreamUnusable(f"zenoh cannot be opened: '{malformed[0]}' is no endpoint; one is written as tcp/127.0.0.1:7447")
     try:
         for name, value in settings.items():
             config.insert_json5(name, json.dumps(value))
         return zenoh.open(config)
     except zenoh.ZError as error:
         where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
-        if malformed := [one for one in (*listen, *connect) if not ENDPOINT.match(one)]:
-            raise StreamUnusable(
-                f"zenoh cannot be opened: '{malformed[0]}' is no endpoint; one is written as tcp/127.0.0.1:7447"
-            ) from error
         # The library's message ends with locations in its own source.
         reason = re.sub(r" at /\S+\.rs:\d+\.?", "", str(error))
         raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {reason}") from error
+
+
+def _is_endpoint(text: str) -> bool:
+    return bool(ENDPOINT.fullmatch(text) and (not text.startswith(OVER_NETWORK) or PORT.search(text)))
 
 
 def connected(session: zenoh.Session) -> bool:

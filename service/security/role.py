@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+from estimator.close_matches import did_you_mean
+
 
 class Role(IntEnum):
     """Roles in ascending order; each includes the rights of those before it. A source only sends samples."""
@@ -23,4 +25,5 @@ class Role(IntEnum):
         try:
             return cls[label.upper()]
         except KeyError:
-            raise ValueError(f"'{label}' is no role; there are {', '.join(role.label for role in cls)}") from None
+            known = [role.label for role in cls]
+            raise ValueError(f"'{label}' is no role; there are {', '.join(known)}{did_you_mean(label, known)}") from None

@@ -155,7 +155,7 @@ def test_offline_identification_prints_estimates(tmp_path: Path) -> None:
         f"plant: examples\nmachine: {ROSS}\ntime: time\nspeed: speed\nspeed_unit: rad/s\namplitude_unit: m\n"
         f"amplitude_kind: peak\nphase_convention: lead\nphase_unit: rad\nchannels:\n{entries}"
     )
-    found = rundown("identify", f"examples/{ROSS}.yaml", str(tmp_path / "run.csv"))
+    found = rundown("identify", f"examples/{ROSS}.yaml", str(tmp_path / "run.csv"), "--all")
     assert found.returncode == 0, found.stderr
     assert "accepted: χ²/dof" in found.stdout
     line = next(line for line in found.stdout.splitlines() if line.startswith("bearing.B1.kxx"))

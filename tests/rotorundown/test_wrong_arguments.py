@@ -82,6 +82,7 @@ def test_what_cannot_be_simulated_or_drawn_is_one_line(pump: Machine, run: rd.Ma
         (lambda: result.plot_bode("B1X"), "'B1X' is no channel"),
         (lambda: made.Result.plot_orbit(result, "2980"), "an orbit is drawn at one speed [r/min], such as 2980.0, not '2980'"),
         (lambda: result.plot_orbit(0.0), "an orbit is drawn at one speed [r/min], such as 2980.0, not 0.0"),
+        (lambda: result.plot_orbit(9e4), "90000 r/min lies outside the range of 'motor-pump', 300 to 3600 r/min"),
         (lambda: made.Service(8080), "'8080' is no address of a service: it is written as http://localhost:8080"),
         (
             lambda: made.identify(pump, run, accepted_rpm=3),

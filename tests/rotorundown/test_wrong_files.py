@@ -16,11 +16,6 @@ from tests.rotorundown.wrong_input import PUMP, doubled, one_line, written
 
 MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
     "a column twice in a file": (lambda frame, file: written(file, doubled(frame)), {}, "column 'B4R_um_pp' stands twice"),
-    "tabs": (
-        lambda frame, file: frame.to_csv(file, sep="\t", index=False) or file,
-        {},
-        "is separated by tabs: write it with commas",
-    ),
     "a folder": (lambda _, file: file.parent, {}, "is a folder: name a file of it"),
     "no text": (
         lambda _, file: file.write_bytes(bytes(range(256))) and file,

@@ -50,17 +50,38 @@ def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path
     assert line.endswith("(to a command: in a sidecar, run.yaml)") is ("_unit" in line)
 
 
-def test_an_empty_file_and_one_with_semicolons(run: rd.MachineRun, tmp_path: Path) -> None:
-    empty, other = tmp_path / "empty.csv", tmp_path / "semicolons.csv"
-    empty.touch()
-    run.to_frame().to_csv(other, index=False, sep=";", decimal=",")
-    for file, words in (
-        (empty, "is empty: the first line names the columns"),
-        (other, "write it with commas, and numbers with a decimal point"),
-    ):
-        ended = invoked("identify", str(PUMP), str(file))
-        assert (ended.exit_code, len(ended.stderr.splitlines())) == (1, 1)
-        assert words in ended.stderr
+def test_an_empty_file_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "empty.csv").touch()
+    ended = invoked("identify", str(PUMP), str(tmp_path / "empty.csv"))
+    assert (ended.exit_code, len(ended.stderr.splitlines())) == (1, 1)
+    assert "is empty: the first line names the columns" in ended.stderr
+
+
+def test_decimal_commas_beside_a_sidecar_are_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    assert invoked("sample", str(PUMP), str(file)).exit_code == 0
+    file.write_text(file.read_text().replace("3596.4000,", '"3596,4",', 1))
+    ended = invoked("identify", str(PUMP), str(file))
+    (line,) = ended.stderr.splitlines()
+    assert line.endswith("line 2: '3596,4' in column 'speed_rpm' is not a number: write numbers with a decimal point")
+
+
+def test_misspelt_files_get_those_like_them(tmp_path: Path) -> None:
+    file = tmp_path / "healthy.csv"
+    assert invoked("sample", str(PUMP), str(file)).exit_code == 0
+    wrong = tmp_path / "helthy.csv"
+    missing = invoked("identify", str(PUMP), str(wrong))
+    assert missing.stderr == f"rundown: {wrong}: no such file; did you mean 'healthy.csv'?\n"
+    checked = invoked("check", str(PUMP), str(wrong))
+    assert f"{wrong}: No such file or directory; did you mean 'healthy.csv'?\n" in checked.output
+    shutil.copy(PUMP, tmp_path / "pump-12.yaml")
+    ended = invoked("check", str(tmp_path / "pump.yaml"))
+    assert ended.stderr.endswith("No such file or directory; did you mean 'pump-12.yaml'?\n")
+
+
+def test_a_document_in_a_recording_s_place_is_said() -> None:
+    ended = invoked("identify", str(PUMP), str(PUMP))
+    assert ended.stderr == f"rundown: {PUMP} is no recording: name the table of the run, such as a CSV file\n"
 
 
 def test_nothing_is_coloured_where_the_terminal_has_no_colours() -> None:

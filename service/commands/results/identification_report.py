@@ -18,7 +18,7 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
-from rotorundown.estimate_summary import REFUSED_VALUES
+from rotorundown.estimate_summary import REFUSED_VALUES, element_lines
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6
@@ -43,8 +43,11 @@ def verdict_text(result: Identification) -> str:
     return result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}"
 
 
-def identification_text(result: Identification) -> str:
-    """Return the verdict and estimates ± standard error, a line per parameter; under a heading of its own where refused."""
+def identification_text(result: Identification, *, every: bool) -> str:
+    """Return the verdict and estimates ± standard error, under a heading of their own where refused.
+
+    every: give each parameter a line, and the reason of one that is not estimable, where else each element has one.
+    """
     lines = [
         verdict_text(result),
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
@@ -52,8 +55,16 @@ def identification_text(result: Identification) -> str:
         f"{result.iterations} iterations; condition number {result.condition_number:.2g}",
         *(("",) if result.accepted else ("", REFUSED_VALUES)),
     ]
-    width = max(len(estimate.name) for estimate in result.estimates)
-    return "\n".join(lines + [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in result.estimates])
+    return "\n".join(lines + (_parameter_lines(result.estimates) if every else _summary_lines(result.estimates)))
+
+
+def _parameter_lines(estimates: Sequence[Estimate]) -> list[str]:
+    width = max(len(estimate.name) for estimate in estimates)
+    return [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in estimates]
+
+
+def _summary_lines(estimates: Sequence[Estimate]) -> list[str]:
+    return [*element_lines(estimates), "", "All parameters, a line each: --all; for a program: --json"]
 
 
 def find_helpful(machine: Machine, result: Identification, measurement: Measurement) -> list[Benefit]:

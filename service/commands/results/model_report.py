@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.modes.critical_speed import CriticalSpeed, critical_speed_table
-from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.amplification import amplification
 from estimator.updated_model.balance_quality import balance_grades
 from estimator.updated_model.balancing import balance
@@ -98,8 +98,9 @@ def _correction(model: UpdatedModel, speed: float) -> Iterator[str]:
     yield "Correction that leaves least vibration over the speeds to service: plane, unbalance to add [g mm] at angle [°]"
     for plane, unbalance in zip(found.planes, found.unbalance, strict=True):
         yield f"  {plane:<12} {1e6 * abs(unbalance):10.0f} {math.degrees(np.angle(unbalance)) % 360:7.1f}"
-    before, after = (1e6 * float(np.max(part)) for part in (found.before.amplitude, found.after.upper))
-    yield f"  largest vibration at the probes {before:.3g} µm, afterwards at most {after:.3g} µm (0-to-peak)"
+    micrometres = METRES["um"] * PEAK["peak-to-peak"]
+    before, after = (float(np.max(part)) / micrometres for part in (found.before.amplitude, found.after.upper))
+    yield f"  largest vibration at the probes {before:.3g} µm pp, afterwards at most {after:.3g} µm pp"
     yield f"  condition number of the influence coefficients {found.condition_number:.3g}"
 
 

@@ -1,6 +1,8 @@
 """Files that are hostile or broken are refused with words, at once, whatever they hold."""
 
+import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -30,6 +32,16 @@ WRONG = {
 }
 
 
+@pytest.fixture
+def usual_depth() -> Iterator[None]:
+    """Python's own limit of recursion: what builds the documentation raises it for all that runs in its process."""
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(1000)
+    yield
+    sys.setrecursionlimit(before)
+
+
+@pytest.mark.usefixtures("usual_depth")
 @pytest.mark.parametrize("what", WRONG)
 def test_what_is_no_document_is_refused_with_words_and_at_once(tmp_path: Path, what: str) -> None:
     text, words = WRONG[what]

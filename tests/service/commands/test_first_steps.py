@@ -45,7 +45,7 @@ def test_runs_are_checked_against_the_document(pump: Path, tmp_path: Path) -> No
     bad.write_text("speed;B1L_amplitude\n1500,5;3\n")
     text = run("check", str(pump), str(good), str(bad), status=1)
     assert "good.csv: 200 samples, B1L, B1R" in text
-    assert "separated by semicolons" in text
+    assert "bad.csv: no column holds the phase of B1L: name it B1L_phase or B1L_lag_deg" in text
     assert "1 of 2 runs cannot be read" in text
 
 

@@ -26,6 +26,11 @@ def test_days_have_bounds(database: Database, days: str) -> None:
         assert not keys.any_exist(session)
 
 
+def test_a_misspelt_role_gets_those_like_it(database: Database) -> None:
+    said = refused("create", "anna", "--role", "amdin", "--database", database.url)
+    assert said.endswith("; did you mean 'admin'?")
+
+
 @pytest.mark.parametrize("plant", ["", "p\n1", "p\n", "p,q", "p" * 65])
 def test_a_plant_is_named_as_machines_name_it(database: Database, plant: str) -> None:
     said = refused("create", "anna", "--role", "viewer", "--plant", "p1", "--plant", plant, "--database", database.url)
@@ -71,3 +76,15 @@ def test_a_hundred_years_are_not_too_long(database: Database) -> None:
 def test_a_list_without_keys_says_how_the_first_is_made(database: Database) -> None:
     ended = CliRunner().invoke(app, ["key", "list", "--database", database.url])
     assert (ended.exit_code, ended.output) == (0, "no key was ever made; the first: rundown key create NAME --role admin\n")
+
+
+@pytest.mark.parametrize("command", ["rotate", "confirm", "revoke"])
+def test_a_misspelt_key_gets_those_like_it(database: Database, command: str) -> None:
+    assert refused(command, "12345678", "--database", database.url) == (
+        "rundown: no key '12345678' is known; rundown key list shows all"
+    )
+    with database.transaction() as session:
+        prefix = api_keys.create(session, name="anna", role=Role.of("viewer"), plants=None, days=1.0)[0].prefix
+    assert refused(command, prefix[:-1], "--database", database.url) == (
+        f"rundown: no key '{prefix[:-1]}' is known; did you mean '{prefix}'?"
+    )

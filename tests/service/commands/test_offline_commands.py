@@ -18,6 +18,7 @@ from tests.service.commands.command_line import run
 from tests.service.commands.recorded_run import write_run
 
 DOCUMENT = "examples/thesis-chapter-3.yaml"
+SCREEN_LINES = 24
 SPEED = np.arange(300.0, 10.0, -4.0)
 
 
@@ -53,7 +54,7 @@ def test_runs_with_and_without_a_trial_weight_are_fitted_together(healthy: str, 
     heavier = recorded(
         tmp_path, "trial", of(document, seed=2), added_unbalance={"D1": {"magnitude": 0.0135 - 0.0095, "angle_deg": 36}}
     )
-    text = run("identify", DOCUMENT, healthy, heavier, "--advice")
+    text = run("identify", DOCUMENT, healthy, heavier, "--advice", "--all")
     assert text.startswith("accepted")
     assert f"{2 * SPEED.size} samples" in text
     advised = [float(one) for one in re.findall(r"one more sample at (\d+) r/min: by", text)]
@@ -156,7 +157,7 @@ def test_bearings_follow_tables_in_files_beside_the_document(tmp_path: Path) -> 
         return dense_response(parse_machine(here), np.array([speed]), direction=1)
 
     path_of_run = recorded(tmp_path, "run", noisy(np.concatenate([at(speed) for speed in SPEED]), seed=4))
-    text = run("identify", str(path), path_of_run)
+    text = run("identify", str(path), path_of_run, "--all")
     assert "warning: bearings[3].speed_dependence.speed_rpm: the table covers 90 to 3000 r/min" in text
     assert "\naccepted" in text
     for name in ("bearing.B1.kxx_scale", "bearing.B3.kyy_scale", "bearing.B2.cxx_scale"):
@@ -232,7 +233,7 @@ def test_a_fit_that_is_refused_has_no_model(tmp_path: Path) -> None:
 
 def test_a_refused_run_tells_which_convention_is_wrong(tmp_path: Path) -> None:
     path = recorded(tmp_path, "lag", of(chapter_3_document(), seed=4).conj())
-    text = run("identify", DOCUMENT, path, status=1)
+    text = run("identify", DOCUMENT, path, "--all", status=1)
     assert text.startswith(
         "NOT ACCEPTED, not to be used: the run fits over 1000 times better with the opposite sign of the phase"
     )
@@ -260,7 +261,12 @@ def test_sampled_runs_try_the_commands(tmp_path: Path) -> None:
     healthy, later = str(tmp_path / "healthy.csv"), str(tmp_path / "later.csv")
     run("sample", document, healthy, "--samples", "120")
     run("sample", f"{document}:misalignment", later, "--samples", "120", "--run-seed", "2")
-    assert run("identify", document, healthy).startswith("accepted")
+    told = run("identify", document, healthy)
+    assert told.startswith("accepted")
+    assert len(told.splitlines()) <= SCREEN_LINES
+    for element in ("bearing.B1 ", "coupling.C1 ", "disc.core-1 "):
+        assert any(line.startswith(element) for line in told.splitlines()), "each element has a line"
+    assert "--all" in told, "and the rest is a word away"
     assert run("compare", document, healthy, later, "--coupling", "C1").startswith("changed coefficients: better than")
 
 
@@ -316,7 +322,7 @@ def test_files_that_are_not_there_or_something_else(healthy: str, tmp_path: Path
 def test_a_machine_with_seals_bows_and_loads_is_sampled_and_identified(tmp_path: Path) -> None:
     path = str(tmp_path / "run.csv")
     run("sample", "examples/sealed-pump.yaml", path)
-    text = run("identify", "examples/sealed-pump.yaml", path)
+    text = run("identify", "examples/sealed-pump.yaml", path, "--all")
     assert text.startswith("accepted")
     for name in ("seal.N1.mxx", "shaft.pump.bow", "coupling.C1.force_x", "coupling.C1.kx_phiy"):
         assert any(line.startswith(name) for line in text.splitlines()), name

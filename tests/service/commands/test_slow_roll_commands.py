@@ -57,7 +57,7 @@ def test_vectors_are_printed(files: tuple[str, str]) -> None:
 
 
 def test_the_runs_own_slow_roll_is_subtracted(files: tuple[str, str]) -> None:
-    text = run("identify", *files, "--slow-roll", "10:30")
+    text = run("identify", *files, "--slow-roll", "10:30", "--all")
     verdict = next(line for line in text.splitlines() if "χ²/dof" in line)
     assert verdict.startswith("accepted")
     assert f"{SWEEP.size} samples" in text

@@ -183,7 +183,8 @@ def test_an_export_is_its_owners_only(told: Database, tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_exported_is_said(told: Database, tmp_path: Path) -> None:
-    assert "no machine 'nobody'" in run("export", "nobody", str(tmp_path / "x"), "--database", told.url, status=1)
+    misspelt = run("export", "pomp-7", str(tmp_path / "x"), "--database", told.url, status=1)
+    assert misspelt == f"rundown: no machine 'pomp-7' is known; did you mean '{KEY.machine}'?\n"
     (tmp_path / "y").mkdir()
     (tmp_path / "y" / "letter.txt").touch()
     assert "is not empty" in run("export", KEY.machine, str(tmp_path / "y"), "--database", told.url, status=1)

@@ -181,7 +181,8 @@ def _put(source: zenoh.Session, key: str, payload: bytes) -> bool:
     return True
 
 
-def test_what_is_no_endpoint_is_answered_with_how_one_is_written() -> None:
-    words = "zenoh cannot be opened: 'router' is no endpoint; one is written as tcp/127.0.0.1:7447"
-    with pytest.raises(StreamUnusable, match=f"^{re.escape(words)}$"), session(listen=[], connect=["router"]):
+@pytest.mark.parametrize("endpoint", ["router", "tcp/127.0.0.1", "tls/server:port"])
+def test_what_is_no_endpoint_is_answered_with_how_one_is_written(endpoint: str) -> None:
+    words = f"zenoh cannot be opened: '{endpoint}' is no endpoint; one is written as tcp/127.0.0.1:7447"
+    with pytest.raises(StreamUnusable, match=f"^{re.escape(words)}$"), session(listen=[], connect=[endpoint]):
         pass

@@ -29,5 +29,5 @@ def test_an_estimate_is_a_line_that_a_person_reads(
 ) -> None:
     first = result.identification.estimates[0]
     changed = replace(first, name="it", unit=unit, quantity="stiffness", value=value, standard_error=error, imaginary=None)
-    text = identification_text(replace(result.identification, estimates=(changed,)))
+    text = identification_text(replace(result.identification, estimates=(changed,)), every=True)
     assert text.splitlines()[-1] == f"it  {words}"
