@@ -86,8 +86,8 @@ class RunWindows:
                 break
             found = self._diagnosis(after[-length:])
             agreed = {}
-            for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
-                if runs_agree(cause, needed=on_delay(cause.kind, cause.element)) and not self._is_left_open(cause):
+            for cause, runners_up in agreed_causes(found, on_delay):
+                if not self._is_left_open(cause):
                     agreed[cause.kind, cause.element] = cause, runners_up
             if not all(key in agreed and min(agreed[key][0].agreement) > 0.0 for key in causes):
                 break
@@ -198,6 +198,27 @@ class RunWindows:
                 yield _data_cause(kind, fault)
             for fault in () if kind.fit_fault is None else kind.fit_fault(window, channels):
                 yield _data_cause(kind, fault)
+
+
+def agreed_causes(found: Diagnosis, on_delay: Delay) -> Iterator[tuple[Cause, tuple[Cause, ...]]]:
+    """Yield the causes that a window's newest runs agree on.
+
+    Where runs do not agree on a cause, as before and after a step, weaker ones explain what a mean of unlike runs leaves over.
+
+    Args:
+        found: Diagnosis of the window, the strongest cause first.
+        on_delay: Function that returns how many runs must agree on a cause.
+
+    Yields:
+        The causes with their runners-up; faults of the data, which each run shows by itself, whatever stands beside them.
+    """
+    alike = True
+    for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
+        if runs_agree(cause, needed=on_delay(cause.kind, cause.element)):
+            if alike or not cause.names:
+                yield cause, runners_up
+        elif cause.names:
+            alike = False
 
 
 def runs_agree(cause: Cause, *, needed: int) -> bool:

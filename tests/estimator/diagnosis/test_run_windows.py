@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.data_faults import fits
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation
-from estimator.diagnosis.run_windows import runs_agree
+from estimator.diagnosis.run_windows import agreed_causes, runs_agree
 from estimator.diagnosis.severity_measures import change_form, change_size
 from tests.estimator.diagnosis import watched_machine as plant
 
@@ -48,6 +49,23 @@ def test_as_many_runs_as_the_delay_must_agree() -> None:
 def test_one_odd_run_beside_others_that_say_next_to_nothing_is_no_change(agreement: tuple[float, ...], agreed: bool) -> None:
     cause = plant.cause_with(agreement, names=("coupling.C1.kxx",))
     assert runs_agree(cause, needed=2) is agreed
+
+
+@pytest.mark.parametrize(
+    ("agreements", "kept"),
+    [
+        (((423.1, 407.0), (21.6, 26.1)), [0, 1]),
+        (((-85.9, 230.2), (19.3, 6.7)), []),  # one run of each side of a step: the second explains what is left over
+        (((48.4, 134.0), (-7.7, 10.2), (5.4, 5.6)), [0]),
+    ],
+)
+def test_what_is_weaker_than_a_cause_that_runs_do_not_agree_on_is_no_change(
+    agreements: tuple[tuple[float, ...], ...], kept: list[int]
+) -> None:
+    causes = tuple(plant.cause_with(one, names=("coupling.C1.kxx",)) for one in agreements)
+    lost = plant.cause_with((4.0, 4.0), names=())
+    found = Diagnosis((*causes, lost), ((),) * (len(causes) + 1))
+    assert [one for one, _ in agreed_causes(found, plant.delay(2))] == [*(causes[place] for place in kept), lost]
 
 
 def test_a_fault_of_the_data_is_seen_in_each_run_by_itself() -> None:
