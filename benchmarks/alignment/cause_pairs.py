@@ -34,9 +34,11 @@ def pair_figures(kind: CouplingKind, machines: int) -> Iterator[ReportLine]:
     for (number, pair), (of, train) in product(enumerate(PAIRS), enumerate(TRAINS)):
         seeds = [PAIR_SEEDS * (number + 1) + 2 * place + of for place in range(machines)]
         histories = [FilmHistory(seed, kind, pair[0], onset, pair[1]) for seed in seeds]
-        found = [(one, record_of(one, weeks=onset + SOON)) for one in histories]
-        right = sum(both_named(*one) for one in found)
-        yield ReportLine(f"    {' and '.join(pair)}, {train}", f"{machines} of {machines}", f"{right}", right == machines)
+        lived = [(one, record_of(one, weeks=onset + SOON)) for one in histories]
+        found = [(history, one) for history, one in lived if not one.missed]
+        right, many = sum(both_named(*one) for one in found), len(found)
+        said = f"{right}" + (f", {machines - many} would whirl" if many < machines else "")
+        yield ReportLine(f"    {' and '.join(pair)}, {train}", f"{many} of {many}", said, right == many)
         others = sorted({f"{rule} {element}" for one in found for rule, element in called_otherwise(*one)})
         yield ReportLine("        called otherwise", "nothing", ", ".join(others) or "nothing", not others)
 

@@ -61,6 +61,7 @@ class FleetRecord:
         weeks: Weeks of it, the baseline's included.
         baseline: Runs of its baseline.
         refused: Weeks whose fit was refused.
+        missed: Weeks without a run: it would whirl, or its journals touch.
         opened: Alerts that were opened or got worse.
         standing: Per week after the baseline, rule, element and severity of the alerts that stand.
         offsets: Per week the true change of the vertical offset against the baseline's mean, over what is allowed [-].
@@ -77,6 +78,7 @@ class FleetRecord:
     weeks: int
     baseline: int
     refused: tuple[int, ...]
+    missed: tuple[int, ...]
     opened: tuple[OpenedAlert, ...]
     standing: tuple[tuple[tuple[str, str, str], ...], ...]
     offsets: tuple[float, ...]
@@ -111,13 +113,15 @@ class _Life:
         self.since: dict[tuple[str, str], int] = {}
         self.opened: list[OpenedAlert] = []
         self.told: float | None = None
+        self.missed: list[int] = []
 
     def live(self, week: int) -> None:
         """Measure and identify one week's run, and assess it."""
         try:
             plant = run_of(self.history.plant_in(week), self.rng)
         except (RuntimeError, NoEquilibrium):
-            return  # it whirls in such oil, or its journals touch: nobody runs it down
+            self.missed.append(week)  # it whirls in such oil, or its journals touch: nobody runs it down
+            return
         films = plant.films(plant.speeds(SAMPLES))
         phasor = noisy(plant.phasors(films), self.rng)
         if self.history.happening == "gain" and week >= self.history.onset:
@@ -206,6 +210,7 @@ def _lived(history: FilmHistory, weeks: int) -> FleetRecord:
         weeks=weeks,
         baseline=history.baseline,
         refused=tuple(one.id for one in life.runs if not one.fit.accepted),
+        missed=tuple(life.missed),
         opened=tuple(life.opened),
         standing=tuple(standing),
         offsets=tuple((history.offset(week) - before) / history.allowed.offset for week in range(weeks)),

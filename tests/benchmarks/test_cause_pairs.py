@@ -25,6 +25,7 @@ def record(*standing: tuple[str, str, str], opened: tuple[OpenedAlert, ...] = ()
         weeks=len(weeks),
         baseline=5,
         refused=(),
+        missed=(),
         opened=opened,
         standing=weeks,
         offsets=(),

@@ -22,6 +22,7 @@ def record(history: FilmHistory, *, moved_um: float, named: bool) -> FleetRecord
         weeks=WEEKS,
         baseline=5,
         refused=(),
+        missed=(),
         opened=(),
         standing=tuple(standing),
         offsets=(0.0,) * WEEKS,
