@@ -156,8 +156,7 @@ def machine_spread(coordinates: Coordinates) -> Floats:
     Returns:
         Standard deviations (n,) [-].
     """
-    deviating = np.array([DEVIATION in describe(name).quantity for name in coordinates.names])
-    return np.where(deviating, np.minimum(coordinates.spread, 1.0), coordinates.spread)
+    return np.asarray(np.sqrt(coordinates.spread**2 - coordinates.between_runs))
 
 
 def machine_precision(coordinates: Coordinates) -> Floats:

@@ -101,6 +101,16 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
         return found
 
+    @property
+    def between_runs(self) -> Floats:
+        """Return the variance (n,) by which each differs from run to run beside what is believed of the machine [-].
+
+        That of the machine is one for the numbers by which films deviate, which count what its document says.
+        """
+        found = np.zeros(self.size)
+        found[: len(self.parameters)] = [one.spread**2 - 1.0 if one.nuisance else 0.0 for one in self.parameters]
+        return found
+
     @cached_property
     def following(self) -> FollowingCoefficients:
         """Return the coefficients that follow the speed, those at the same knots together."""
@@ -235,7 +245,7 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
 def _calibrated(coordinates: Coordinates, calibration: Calibration) -> Coordinates:
     """Return the coordinates with the calibration's values and joint covariance as the prior of those that it holds."""
     names, origin, unit = coordinates.names, coordinates.origin, coordinates.unit
-    given = calibrated_prior(calibration, names=names, origin=origin, unit=unit)
+    given = calibrated_prior(calibration, names=names, origin=origin, unit=unit, between_runs=coordinates.between_runs)
     if given is None:
         return coordinates
     centre, spread = coordinates.centre.copy(), coordinates.spread.copy()

@@ -70,17 +70,19 @@ class CalibratedPrior(Struct, frozen=True, eq=False):
 
 
 def calibrated_prior(
-    calibration: Calibration, *, names: tuple[str, ...], origin: Floats, unit: Floats
+    calibration: Calibration, *, names: tuple[str, ...], origin: Floats, unit: Floats, between_runs: Floats
 ) -> CalibratedPrior | None:
     """Return the prior that a calibration gives.
 
-    The machine has been mounted anew since: its unbalances are found anew, and run-outs may have moved.
+    The machine has been mounted anew since: its unbalances are found anew, and run-outs may have moved. Of what varies from
+    run to run a calibration says what its runs have in common.
 
     Args:
         calibration: The calibration.
         names: Names of the n coordinates.
         origin: Offset (n,) of the physical values [SI, logarithms of positive ones].
         unit: Unit (n,) of the coordinates [SI, 1 for logarithms].
+        between_runs: Variance (n,) of each from run to run [-].
 
     Returns:
         The prior; None where the calibration holds none of these coordinates.
@@ -91,6 +93,6 @@ def calibrated_prior(
         return None
     places = np.array([index[calibration.parameters[row]] for row in rows], dtype=np.intp)
     whole = np.array(calibration.covariance) + np.diag(calibration.moved_since)
-    covariance = whole[np.ix_(rows, rows)] / np.outer(unit[places], unit[places])
+    covariance = whole[np.ix_(rows, rows)] / np.outer(unit[places], unit[places]) + np.diag(between_runs[places])
     centre = (np.array(calibration.values)[rows] - origin[places]) / unit[places]
     return CalibratedPrior(places, centre, covariance)

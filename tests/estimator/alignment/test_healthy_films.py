@@ -13,6 +13,7 @@ from estimator.alignment.healthy_films import (
     stated_variation,
 )
 from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.calibration import Calibration
 from estimator.machine.document import parse_machine
 from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
@@ -83,8 +84,20 @@ def test_what_is_believed_of_a_machine_is_that_of_a_run_without_what_varies_betw
     assert COORDINATES.spread[varying] == pytest.approx(np.hypot(machine[varying], scales.own(STATED)[varying]))
     assert machine[varying] == 1.0
     others = [k for k, name in enumerate(COORDINATES.names) if ".cxx_dev" not in name and ".cyy_dev" not in name]
-    np.testing.assert_array_equal(machine[others], COORDINATES.spread[others])
+    np.testing.assert_allclose(machine[others], COORDINATES.spread[others])
     np.testing.assert_allclose(machine_precision(COORDINATES), np.diag(machine**-2.0))
+
+
+def test_of_what_varies_between_runs_a_calibration_says_what_its_runs_have_in_common() -> None:
+    known = {"films.B1.cxx_deviation0": 0.3, "films.B1.kxx_deviation0": 0.2, "bearing.B1.clearance": 0.01}
+    calibration = Calibration(
+        parameters=tuple(known), values=(0.5, 0.5, np.log(1e-4)), covariance=tuple(np.diag(np.square(list(known.values()))))
+    )
+    calibrated = expected_model(MODEL.machine.model_copy(update={"calibration": calibration})).coordinates_at(np.ones(1))
+    places = [place(name) for name in known]
+    np.testing.assert_allclose(machine_spread(calibrated)[places], list(known.values()))
+    scatter = coordinate_scales(COORDINATES, MODEL.values).own(STATED)[places[0]]
+    np.testing.assert_allclose(calibrated.spread[places], [np.hypot(0.3, scatter), 0.2, 0.01])
 
 
 def test_coefficients_of_bearings_beside_films_vary_as_those_of_couplings() -> None:
