@@ -18,7 +18,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.bearings.model import CoefficientModel, ModelParameter, ReadingModel
 from estimator.fit.problem.channel_coordinates import ChannelCoordinates
 from estimator.fit.problem.placed_models import FollowingCoefficients, PlacedModel
-from estimator.fit.problem.prior import Prior, calibrated_prior
+from estimator.fit.problem.prior import Prior, calibrated_prior, variance_between_runs
 from estimator.fit.problem.train_models import train_models
 from estimator.machine.calibration import Calibration
 from estimator.quantities import Quantity
@@ -99,16 +99,6 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         """Return which coordinates are not reported (n,)."""
         found = np.zeros(self.size, dtype=bool)
         found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
-        return found
-
-    @property
-    def between_runs(self) -> Floats:
-        """Return the variance (n,) by which each differs from run to run beside what is believed of the machine [-].
-
-        That of the machine is one for the numbers by which films deviate, which count what its document says.
-        """
-        found = np.zeros(self.size)
-        found[: len(self.parameters)] = [one.spread**2 - 1.0 if one.nuisance else 0.0 for one in self.parameters]
         return found
 
     @cached_property
@@ -245,7 +235,8 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
 def _calibrated(coordinates: Coordinates, calibration: Calibration) -> Coordinates:
     """Return the coordinates with the calibration's values and joint covariance as the prior of those that it holds."""
     names, origin, unit = coordinates.names, coordinates.origin, coordinates.unit
-    given = calibrated_prior(calibration, names=names, origin=origin, unit=unit, between_runs=coordinates.between_runs)
+    between_runs = variance_between_runs(coordinates.parameters, coordinates.size)
+    given = calibrated_prior(calibration, names=names, origin=origin, unit=unit, between_runs=between_runs)
     if given is None:
         return coordinates
     centre, spread = coordinates.centre.copy(), coordinates.spread.copy()

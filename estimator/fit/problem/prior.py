@@ -4,11 +4,14 @@ A calibration holds values with their joint covariance; coordinates that it does
 prior: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.1).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.bearings.model import ModelParameter
 from estimator.machine.calibration import Calibration
 
 
@@ -96,3 +99,20 @@ def calibrated_prior(
     covariance = whole[np.ix_(rows, rows)] / np.outer(unit[places], unit[places]) + np.diag(between_runs[places])
     centre = (np.array(calibration.values)[rows] - origin[places]) / unit[places]
     return CalibratedPrior(places, centre, covariance)
+
+
+def variance_between_runs(parameters: Sequence[ModelParameter], size: int) -> Floats:
+    """Return by how much coordinates vary from run to run beside what is believed of the machine.
+
+    That of the machine is one for the numbers by which films deviate, which count what its document says.
+
+    Args:
+        parameters: Parameters of all models, which are the first coordinates.
+        size: Number n of the coordinates.
+
+    Returns:
+        Variances (n,) [-].
+    """
+    found = np.zeros(size)
+    found[: len(parameters)] = [one.spread**2 - 1.0 if one.nuisance else 0.0 for one in parameters]
+    return found
