@@ -231,4 +231,4 @@ def _joined(x_plane: Entries, y_plane: Entries) -> Entries:
 
 
 def _alternating(displacement: Entries, slope: Entries) -> Entries:
-    return np.stack([displacement, slope], axis=1).reshape(-1, displacement.shape[1])
+    return np.stack([displacement, slope], axis=1).reshape(2 * len(displacement), displacement.shape[1])

@@ -47,9 +47,10 @@ def state_matrix_with_pads(
         values = values + (coefficients - film_coefficients(machine, equilibrium))
     matrices = system_matrices(machine, coefficients=values, basis=basis)
     rotor = matrices.state_matrix(spin=machine.direction * equilibrium.speed)
-    along, pads = _axes(machine, equilibrium, basis), [one for one in held if one is not None]
+    pads = [one for one in held if one is not None]
     if not pads:
         return rotor
+    along = _axes(machine, equilibrium, basis)
     push, rate, drive, drag = (np.concatenate([getattr(one, name) for one in pads]) for name in _STATES)
     accelerated = scipy.linalg.cho_solve(scipy.linalg.cho_factor(matrices.mass), -along * push)
     beside = np.concatenate([np.zeros_like(accelerated), accelerated])

@@ -6,6 +6,8 @@ import pytest
 import yaml
 
 from estimator.machine.document import parse_machine
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.modal_reduction import SMALL
 from estimator.statics.whirl_in_range import touching_words, whirl_words
 from tests.paths import EXAMPLES
 
@@ -24,6 +26,20 @@ def test_a_train_that_is_run_too_fast_for_its_films_would_whirl() -> None:
     rpm = float(words.partition("whirl from ")[2].partition(" r/min")[0])
     assert 4600.0 < rpm < 5600.0
     assert "within its speed range up to 6000 r/min" in words
+
+
+@pytest.mark.parametrize("parts", [2, 3])
+def test_a_finer_mesh_whirls_from_the_same_speed(parts: int) -> None:
+    """Of many elements only the modes are kept, which plain films have no pads beside."""
+    said = document("motor-compressor")
+    said["speed_range"]["maximum_rpm"] = 6000
+    coarse = whirl_words(parse_machine(said))
+    for shaft in said["shafts"]:
+        whole = shaft["sections"]
+        shaft["sections"] = [{**one, "length": one["length"] / parts} for one in whole for _ in range(parts)]
+    fine = parse_machine(said)
+    assert (assemble_rotor(fine).size > SMALL) is (parts == 3)
+    assert whirl_words(fine) == coarse
 
 
 def test_a_mode_that_grows_by_cross_coupled_stiffness_is_said() -> None:
