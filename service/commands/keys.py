@@ -10,10 +10,9 @@ import typer
 from pydantic import TypeAdapter, ValidationError
 
 from estimator.field_types import Identifier
-from service.commands.exit import fail
+from service.commands.exit import fail, fail_for_unknown_key
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
-from service.commands.unknown_names import fail_for_unknown_key
 from service.security.role import Role
 
 if TYPE_CHECKING:

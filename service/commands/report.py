@@ -6,12 +6,11 @@ from typing import Annotated
 
 import typer
 
-from service.commands.exit import fail, words_of
+from service.commands.exit import fail, fail_for_unknown_machine, words_of
 from service.commands.find_language import find_language
 from service.commands.json_output import JsonOption, print_json
 from service.commands.storage import DatabaseUrl, database_url
 from service.commands.terminal import print_line, working
-from service.commands.unknown_names import fail_for_unknown_machine
 
 
 def report(

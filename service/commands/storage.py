@@ -5,10 +5,9 @@ from typing import Annotated
 
 import typer
 
-from service.commands.exit import fail, words_of
+from service.commands.exit import fail, fail_for_unknown_machine, words_of
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, working
-from service.commands.unknown_names import fail_for_unknown_machine
 from service.configuration.settings import SettingsWrong, settings_of
 
 DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
