@@ -21,7 +21,7 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import ParameterDescription, describe
-from estimator.statics.film_deviations import SHARED
+from estimator.statics.film_deviations import own_size
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.placed_films import placed_films
 
@@ -248,7 +248,7 @@ def _way(
     if DEVIATION in said.quantity:
         term = said.quantity.partition(DEVIATION)[0]
         if term not in LEVELS:  # those that all films share stay
-            return _of_order(TERMS[term].order), 1.0 / (size[said.element_id] * float(np.sqrt(1.0 - SHARED)))
+            return _of_order(TERMS[term].order), 1.0 / own_size(size[said.element_id])
     return None, 0.0
 
 

@@ -31,6 +31,7 @@ class ModelParameter(Struct, frozen=True):
         coefficient: Name of the coefficient whose value it is, everywhere or at a knot; None for any other parameter.
         speed: Speed at which it is the coefficient's value [rad/s]; None where it is everywhere, and for any other parameter.
         nuisance: Whether it is fitted only so that the others get their due uncertainty, and not reported.
+        between_runs: Part of `spread` by which it varies from run to run of one machine, as a standard deviation [-].
     """
 
     name: str
@@ -43,6 +44,7 @@ class ModelParameter(Struct, frozen=True):
     coefficient: str | None = None
     speed: float | None = None
     nuisance: bool = False
+    between_runs: float = 0.0
 
     @property
     def centre(self) -> float:

@@ -186,7 +186,8 @@ def _read_numbers(own: FilmParameters, coefficients: Mapping[str, float]) -> Flo
 def _drawn_part(parameter: ModelParameter) -> float:
     """Return the part of its prior standard deviation by which a number is drawn."""
     if parameter.nuisance:
-        return 1.0 / parameter.spread  # as the films of the machine deviate, not those of single runs
+        # As the films of the machine deviate, not those of single runs.
+        return float(np.sqrt(1.0 - (parameter.between_runs / parameter.spread) ** 2))
     return min(DRAWN, DRAWN_ELEVATION / parameter.step) if parameter.quantity == "elevation" else DRAWN
 
 

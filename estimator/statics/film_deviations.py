@@ -56,16 +56,16 @@ class FilmDeviations:
         """
         deviating = [(name, form) for name, form in zip(self.names, self.forms, strict=True) if form.discrepancy > 0.0]
         found = [
-            _number(f"{name}.{term}_deviation{shape}", self._spread(form) if term in DIRECT_DAMPING else 1.0)
+            _number(f"{name}.{term}_deviation{shape}", self._between_runs(form) if term in DIRECT_DAMPING else 0.0)
             for name, form in deviating
             for term in DEVIATING
             for shape in range(self._shapes.count)
         ]
-        return (*found, *(_number(name, 1.0) for name in LEVELS if deviating))
+        return (*found, *(_number(name) for name in LEVELS if deviating))
 
-    def _spread(self, form: JournalForm) -> float:
-        """Return what a film's direct damping deviates by in one run, over what it deviates by in all runs of a machine."""
-        return float(np.hypot(1.0, self.run_damping / (form.discrepancy * np.sqrt(1.0 - SHARED))))
+    def _between_runs(self, form: JournalForm) -> float:
+        """Return the scatter of a film's direct damping between runs, over what it deviates by in all runs of a machine."""
+        return float(self.run_damping / own_size(form.discrepancy))
 
     @cached_property
     def _shapes(self) -> DeviationShapes:
@@ -150,8 +150,23 @@ class DeviationCurves:
         return np.concatenate([shaped.reshape(-1, *by_relative.shape[1:]), np.stack(levels)])
 
 
-def _number(name: str, spread: float) -> ModelParameter:
-    return ModelParameter(f"films.{name}", "scale factor", "1", False, 0.0, 1.0, spread, nuisance=True)
+def own_size(discrepancy: float) -> float:
+    """Return the size of what each film's terms deviate by for themselves, beside what all films share.
+
+    Args:
+        discrepancy: Size of the film's deviations [-].
+
+    Returns:
+        That part [-].
+    """
+    return discrepancy * float(np.sqrt(1.0 - SHARED))
+
+
+def _number(name: str, between_runs: float = 0.0) -> ModelParameter:
+    spread = float(np.hypot(1.0, between_runs))
+    return ModelParameter(
+        f"films.{name}", "scale factor", "1", False, 0.0, 1.0, spread, nuisance=True, between_runs=between_runs
+    )
 
 
 _FIRST = [TERMS.index(name) for name in DEVIATING]

@@ -104,8 +104,6 @@ def calibrated_prior(
 def variance_between_runs(parameters: Sequence[ModelParameter], size: int) -> Floats:
     """Return by how much coordinates vary from run to run beside what is believed of the machine.
 
-    That of the machine is one for the numbers by which films deviate, which count what its document says.
-
     Args:
         parameters: Parameters of all models, which are the first coordinates.
         size: Number n of the coordinates.
@@ -114,5 +112,5 @@ def variance_between_runs(parameters: Sequence[ModelParameter], size: int) -> Fl
         Variances (n,) [-].
     """
     found = np.zeros(size)
-    found[: len(parameters)] = [one.spread**2 - 1.0 if one.nuisance else 0.0 for one in parameters]
+    found[: len(parameters)] = [one.between_runs**2 for one in parameters]
     return found
