@@ -272,6 +272,8 @@ def swept_phasors(machine: Machine, truth: Truth, *, time: Floats, speed: Floats
 
     What it adds is that of the modes up to 1.5 times the highest speed, not of an integration in time (`coast_down.py`).
 
+    Source: own derivation: in the docstring of `estimator/phasors/sweep_transient.py`.
+
     Args:
         machine: The machine, with m channels.
         truth: Its true parameters.
