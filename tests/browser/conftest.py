@@ -129,8 +129,8 @@ def browser(driver: Playwright) -> Iterator[Browser]:
     program = program_for_tests()
     if program is None:
         if os.environ.get("RUNDOWN_REQUIRE_ALL"):
-            pytest.fail("chromium is not installed; .ci/run installs it")
-        pytest.skip("chromium is not installed")
+            pytest.fail("neither chromium-headless-shell nor chromium is installed; .ci/run installs the first")
+        pytest.skip("neither chromium-headless-shell nor chromium is installed")
     launched = launch(driver, program)
     yield launched
     launched.close()
