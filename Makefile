@@ -18,7 +18,8 @@ export OPENBLAS_NUM_THREADS = 1
 
 $(VENV)/.installed: pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --editable '.[dev]'
+	-$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib # as pip does, but on all cores; some packages hold files that are no Python
 	touch $@
 
 demo: $(VENV)/.installed ## the main job, end to end: simulator, service, summary; Ctrl-C ends it
@@ -37,7 +38,7 @@ compiled: $(VENV)/.installed
 test: lint compiled
 	PYTEST_DEBUG_TEMPROOT=$(IN_MEMORY) $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser
 
-test-browser: compiled ## the page in a real browser, which needs chromium
+test-browser: compiled ## the page in a real browser, which needs chromium-headless-shell or chromium
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish

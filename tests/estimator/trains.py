@@ -29,14 +29,14 @@ few_examples = settings(max_examples=20, deadline=None, derandomize=True)
 
 
 @cache
-def _chapter_3_text() -> str:
-    return (ROOT / "examples" / "thesis-chapter-3.yaml").read_text(encoding="utf-8")
+def _chapter_3_as_read() -> Document:
+    document: Document = yaml.safe_load((ROOT / "examples" / "thesis-chapter-3.yaml").read_text(encoding="utf-8"))
+    return document
 
 
 def chapter_3_document() -> Document:
     """A fresh copy of the Chapter 3 document."""
-    document: Document = yaml.safe_load(_chapter_3_text())
-    return document
+    return copy.deepcopy(_chapter_3_as_read())
 
 
 @cache
