@@ -150,6 +150,29 @@ def fields_beside(model: type[BaseModel], location: Sequence[int | str]) -> list
     return sorted({field.alias or name for one in models for name, field in one.model_fields.items()})
 
 
+def field_at(model: type[BaseModel], location: Sequence[int | str]) -> FieldInfo | None:
+    """Return the field of a (nested) model in which an error lies.
+
+    Args:
+        model: The model.
+        location: Names, indices and forms from the model down to the field, or to one of its items.
+
+    Returns:
+        The innermost field; None where the location leads to none.
+    """
+    models, found, is_key = [model], None, False
+    for name in location:
+        if is_key:  # a name that somebody chose, which may also be that of a field
+            is_key = False
+            continue
+        models = [one for one in models if one.__name__ == name] or models  # the form that is told apart by its name
+        held = [one.model_fields[name] for one in models if isinstance(name, str) and name in one.model_fields]
+        if held:
+            found, is_key = held[0], typing.get_origin(held[0].annotation) is dict
+            models = [one for field in held for one in _models_in(field.annotation)]
+    return found
+
+
 def _models_in(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]

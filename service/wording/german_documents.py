@@ -5,6 +5,7 @@ from collections.abc import Mapping
 DOCUMENTS: Mapping[str, str] = {
     "{speed} r/min: few machines are that slow": "{speed} 1/min: so langsam sind wenige Maschinen",
     "was {value} Hz meant, {speed} r/min?": "waren {value} Hz gemeint, {speed} 1/min?",
+    "was {value} rad/s meant, {speed} r/min?": "waren {value} rad/s gemeint, {speed} 1/min?",
     "{running} r/min lies below the speed range, {low} to {high} r/min": (
         "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min"
     ),
@@ -58,5 +59,10 @@ DOCUMENTS: Mapping[str, str] = {
         "{load} N: die Tabelle reicht für Lasten von {least} bis {most} N und gilt an ihrem Ende unverändert"
     ),
     "{value} N/m: bearings usually have 1e5 to 1e9 N/m": "{value} N/m: Lager haben meist 1e5 bis 1e9 N/m",
+    "neither in the table nor beside it: {terms}": "weder in der Tabelle noch daneben: {terms}",
+    "each is a constant that a fit must find": "jedes ist eine Konstante, die eine Anpassung finden muss",
+    "until then a direct term is taken to be as large as its like, a cross-coupled term to be 0": (
+        "bis dahin gilt ein direkter Term als so groß wie seinesgleichen, ein Kreuzterm als 0"
+    ),
     "was N/µm meant?": "war N/µm gemeint?",
 }

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 
 from estimator.machine.alignment_rules import OFFSETS
 from estimator.machine.document import Machine
-from estimator.machine.films import JournalFilm, Oil
-from estimator.machine.part_coefficients import ELEMENTS
+from estimator.machine.films import USUAL_CLEARANCE, JournalFilm, Oil
+from estimator.machine.part_coefficients import ELEMENTS, coefficient_names, nominal_value
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
 
 LEAST_DENSITY = 500.0
 """Density of a shaft below which a warning asks whether g/cm³ was meant [kg/m³]."""
-USUAL_CLEARANCE = (0.0005, 0.0035)
-"""Usual ratio of the radial clearance, and of what preload leaves of it, to the journal's radius: others are warned of [-]."""
 HOTTEST_FILM, HOTTEST_INLET = 120.0, 80.0
 """Temperature of a film, and of the oil that comes, above which a warning asks whether °F was meant [°C]."""
 LOBED = ("elliptical", "three_lobe", "four_lobe")
@@ -75,6 +73,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         *_light_materials(machine),
         *_heavy_discs(machine),
         *of_laws,
+        *_incomplete_tables(machine),
         *_odd_films(machine),
         *_far_elevations(machine),
         *_far_targets(machine),
@@ -173,6 +172,21 @@ def _mass(machine: Machine, shaft: Shaft) -> float | None:
     areas = [math.pi / 4 * (one.outer_diameter**2 - one.inner_diameter**2) for one in shaft.sections]
     parts = zip(shaft.sections, materials, areas, strict=True)
     return sum(material.density * area * section.length for section, material, area in parts)
+
+
+def _incomplete_tables(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield parts of which a table gives some coefficients, and nothing the others."""
+    rpm = machine.speed_range.middle_rpm
+    for place in ELEMENTS:
+        for number, part in enumerate(getattr(machine, place)):
+            names, form = coefficient_names(part), part.speed_dependence
+            if form is None or all(form.nominal(name, rpm) is None for name in names):
+                continue
+            missing = [name for name in names if nominal_value(part, name, rpm=rpm) is None]
+            if missing:
+                words = f"neither in the table nor beside it: {', '.join(missing)}; each is a constant that a fit must find"
+                guess = "until then a direct term is taken to be as large as its like, a cross-coupled term to be 0"
+                yield DocumentWarning(f"{place}[{number}].speed_dependence", f"{words}; {guess}")
 
 
 def _odd_films(machine: Machine) -> Iterator[DocumentWarning]:
