@@ -14,6 +14,9 @@ DOCUMENTS: Mapping[str, str] = {
     "{mass} kg is {times} times the mass of shaft '{shaft}', {own} kg: usual is 0.1 to 5 times": (
         "{mass} kg ist das {times}-Fache der Masse von Welle '{shaft}', {own} kg: üblich ist das 0,1- bis 5-Fache"
     ),
+    "{force} N is {times} times the weight of all rotors, {weight} N: usual is up to 10 times": (
+        "{force} N ist das {times}-Fache des Gewichts aller Rotoren, {weight} N: üblich ist bis zum 10-Fachen"
+    ),
     "was {value} g meant, {mass} kg?": "waren {value} g gemeint, {mass} kg?",
     "{elevation} µm is more than the radial clearance, {clearance} µm: usual are some 10 µm": (
         "{elevation} µm ist mehr als das radiale Lagerspiel, {clearance} µm: üblich sind einige 10 µm"

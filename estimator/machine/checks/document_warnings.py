@@ -9,6 +9,7 @@ from estimator.machine.document import Machine
 from estimator.machine.films import USUAL_CLEARANCE, JournalFilm, Oil
 from estimator.machine.part_coefficients import ELEMENTS, coefficient_names, nominal_value
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
+from estimator.units import GRAVITY
 
 LEAST_DENSITY = 500.0
 """Density of a shaft below which a warning asks whether g/cm³ was meant [kg/m³]."""
@@ -29,6 +30,9 @@ USUAL_TOLERANCES = {"offset": (5e-6, 1e-3, "m", "3e-05 to 0.0002"), "angle": (2e
 
 HEAVIEST_DISC = 50.0
 """Mass of a disc over that of its shaft above which a warning asks whether its unit is right [-]: examples have 0.5 to 3."""
+
+STRONGEST_FORCE = 50.0
+"""Static force over the weight of all rotors above which a warning asks whether its unit is right [-]: gears reach some 10."""
 
 SLOWEST_RANGE = 120.0
 """End of a speed range below which a warning asks whether its speeds are in Hz: hardly any train is so slow [r/min]."""
@@ -72,6 +76,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         *_slow_speeds(machine),
         *_light_materials(machine),
         *_heavy_discs(machine),
+        *_strong_forces(machine),
         *of_laws,
         *_incomplete_tables(machine),
         *_odd_films(machine),
@@ -162,6 +167,20 @@ def _heavy_discs(machine: Machine) -> Iterator[DocumentWarning]:
             words = f"{disc.mass:g} kg is {disc.mass / shaft:.0f} times the mass of shaft '{disc.shaft}', {shaft:.3g} kg"
             meant = f"was {disc.mass:g} g meant, {disc.mass / 1e3:g} kg?"
             yield DocumentWarning(f"discs[{number}].mass", f"{words}: usual is 0.1 to 5 times; {meant}")
+
+
+def _strong_forces(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield static forces that are so far beyond the weight of all rotors that no bearing of theirs would carry them."""
+    shafts = [_mass(machine, shaft) for shaft in machine.shafts]
+    if any(mass is None for mass in shafts):
+        return
+    halves = [half.mass for one in machine.couplings for half in (one.driver_half, one.driven_half) if half is not None]
+    weight = GRAVITY * math.fsum([*filter(None, shafts), *(disc.mass for disc in machine.discs), *halves])
+    for number, load in enumerate(machine.static_loads):
+        for name, force in (("force_x", load.force_x), ("force_y", load.force_y)):
+            if abs(force) > STRONGEST_FORCE * weight:
+                words = f"{force:g} N is {abs(force) / weight:.0f} times the weight of all rotors, {weight:.3g} N"
+                yield DocumentWarning(f"static_loads[{number}].{name}", f"{words}: usual is up to 10 times")
 
 
 def _mass(machine: Machine, shaft: Shaft) -> float | None:
