@@ -104,6 +104,18 @@ def _together(
     return sorted([*own, *repeatable(more)], key=place)
 
 
+def own_words(message: str) -> str:
+    """Return the words of an error without what pydantic puts before those of a validator.
+
+    Args:
+        message: The message as pydantic lists it.
+
+    Returns:
+        The words.
+    """
+    return message.removeprefix("Value error, ")
+
+
 def repeatable(errors: Sequence[Any]) -> list[InitErrorDetails]:
     """Return pydantic's errors as they can be raised once more.
 

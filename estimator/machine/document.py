@@ -28,7 +28,7 @@ from estimator.machine.rules import (
 )
 from estimator.machine.sparkplug import Sparkplug
 from estimator.machine.unfinished_document import further_problems
-from estimator.strict_model import field_at, fields_beside, repeatable
+from estimator.strict_model import field_at, fields_beside, own_words, repeatable
 from estimator.usual_values import range_words
 
 COUNTED = ("shafts", "discs", "bearings", "couplings", "probes")
@@ -305,7 +305,7 @@ def _words(item: Any, model: type[BaseModel] | None) -> str:
     if item["type"] == "string_pattern_mismatch":
         return PATTERNS.get(item["ctx"]["pattern"], str(item["msg"]))
     field = None if model is None else field_at(model, item["loc"])
-    return range_words(item, field) or str(item["msg"]).removeprefix("Value error, ")
+    return range_words(item, field) or own_words(str(item["msg"]))
 
 
 def field_path(location: tuple[int | str, ...]) -> str:
