@@ -8,7 +8,7 @@ from pydantic import BaseModel
 from estimator.bearings.table_columns import SMALLEST_STIFFNESS
 from estimator.machine.document import Machine, field_path
 from estimator.machine.films import Elevation, JournalFilm
-from estimator.machine.parts import Material, Section
+from estimator.machine.parts import Bearing, Material, Pedestal, Section
 from estimator.usual_values import declarations
 
 SMALLEST_YOUNG_MODULUS = 1e8
@@ -69,7 +69,7 @@ def _by_field(machine: Machine) -> Iterator[tuple[str, str]]:
                 yield f"operation.alignment_tolerances[{i}].{name}", message
 
 
-def _soft(part: Any) -> Iterator[tuple[str, str]]:
+def _soft(part: Bearing | Pedestal) -> Iterator[tuple[str, str]]:
     """Yield the direct stiffnesses of a bearing or pedestal, also those of its table, that are none in N/m."""
     for term in ("kxx", "kyy"):
         value = getattr(part, term)
