@@ -1,4 +1,4 @@
-"""Eigenvalues and eigenvectors of symmetric matrices, also of those with which LAPACK's quickest method fails."""
+"""Eigenvalues, eigenvectors and condition of symmetric matrices, also of those with which LAPACK's quickest method fails."""
 
 import numpy as np
 import scipy.linalg
@@ -25,3 +25,18 @@ def symmetric_eigen(matrix: Floats) -> tuple[Floats, Floats]:
     except np.linalg.LinAlgError:
         values, vectors = scipy.linalg.eigh(matrix, driver="ev")
     return np.asarray(values), np.asarray(vectors)
+
+
+def condition_number(matrix: Floats) -> float:
+    """Compute the condition number of a symmetric matrix from its eigenvalues.
+
+    Source: standard result: the singular values of a symmetric matrix are the sizes of its eigenvalues.
+
+    Args:
+        matrix: Matrix (n, n) [any unit].
+
+    Returns:
+        Largest size of an eigenvalue over the smallest, infinite where that is zero [-].
+    """
+    sizes = np.abs(symmetric_eigen(matrix)[0])
+    return float(sizes.max() / sizes.min()) if sizes.min() > 0.0 else np.inf

@@ -19,7 +19,7 @@ from estimator.phasors.measurement import MeasuredGaps, Measurement
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_gaps import simulated_gaps
-from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law, truth_at_progress, truth_of_run
+from estimator.simulation.simulated_plant import draw_truth, speed_law, swept_phasors, truth_at_progress, truth_of_run
 from estimator.units import KILOGRAM_METRES
 from rotorundown.machine_files import checked_machine
 from rotorundown.runs import MachineRun, sent_gaps
@@ -71,7 +71,8 @@ def simulate(
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
     of_run = truth_of_run(true, rng)
     added = _added(machine, weights or {})
-    phasor = measured_phasors(machine, replace(of_run, unbalances=of_run.unbalances + added), speed, rng)
+    loaded = replace(of_run, unbalances=of_run.unbalances + added)
+    phasor = swept_phasors(machine, loaded, time=time, speed=speed, rng=rng)
     place = simulated_gaps(machine, of_run, time=time, speed=speed, rng=rng)
     status = np.full(phasor.shape, ChannelStatus.GOOD, dtype=np.uint8)
     recorded = RecordedRun(time, speed, phasor, status, np.full(phasor.shape, np.nan), machine.channels)

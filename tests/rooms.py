@@ -38,7 +38,7 @@ estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/pr
 estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/fit/validation
     estimator/machine estimator/rotor estimator/statics estimator/trends estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/fit/optimisation estimator/fit/problem
-    estimator/fit/validation estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/updated_model
+    estimator/fit/validation estimator/machine estimator/phasors estimator/rotor estimator/updated_model
 storage:
 storage/tables:
 storage/encoding: estimator estimator/fit/validation estimator/phasors

@@ -7,25 +7,26 @@ status 1 where one falls short. Coverage is judged from 20 plants on. `--short` 
 minute. Run-outs of couplings are tried on two machines of each kind.
 
 `--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
-the service's own assessment; `--pairs N` lets two things happen at once to N machines of each train. With `--keep FILE` what
-was computed by this code is not computed again, and with `--kept` besides nothing is computed: the figures are those of the
-plants, or of the fleet's machines, that the file keeps.
+the service's own assessment, or with `--happening` for some of these things; `--pairs N` lets two things happen at once to N
+machines of each train. With `--keep FILE` what was computed by this code is not computed again, and with `--kept` besides
+nothing is computed: the figures are those of the plants, or of the fleet's machines, that the file keeps.
 
     python -m benchmarks.alignment [--short] [--plants N] [--keep FILE [--kept]] [--only flexible|rigid …]
-    python -m benchmarks.alignment --fleet N [--weeks W] [--keep FILE [--kept]] [--only …]
+    python -m benchmarks.alignment --fleet N [--happening healthy …] [--weeks W] [--keep FILE [--kept]] [--only …]
     python -m benchmarks.alignment --pairs N [--keep FILE] [--only …]
 """
 
 import argparse
-import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
 from benchmarks.alignment.alignment_figures import figures
 from benchmarks.alignment.cause_pairs import pair_figures
-from benchmarks.alignment.fleet_figures import fleet_figures, run_out_figures
+from benchmarks.alignment.film_histories import HAPPENINGS
+from benchmarks.alignment.fleet_figures import false_figures, fleet_figures, fleet_of, run_out_figures
+from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.kept_outcomes import KEEPING, KeptOutcomes
 from tests.film_plant.motor_compressor import CouplingKind
 
@@ -46,26 +47,43 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--keep", type=Path, help="file that keeps outcomes, from which a run of this code goes on")
     parser.add_argument("--kept", action="store_true", help="tell only of what the file keeps")
     parser.add_argument("--only", nargs="*", choices=KINDS)
+    parser.add_argument("--happening", nargs="*", choices=HAPPENINGS, default=HAPPENINGS, help="what happens in the fleet")
     chosen = parser.parse_args(arguments)
     if chosen.keep is not None:
         KEEPING.set(KeptOutcomes(chosen.keep))
     kept = True
     print(f"  {'alignment':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
-        for kind in chosen.only or KINDS:
-            told = (
-                pair_figures(kind, chosen.pairs)
-                if chosen.pairs is not None
-                else figures(kind, SHORT_PLANTS if chosen.short else chosen.plants, kept_only=chosen.kept)
-                if chosen.fleet is None
-                else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, kept_only=chosen.kept)
-            )
-            run_outs = chosen.fleet is None and chosen.pairs is None and not chosen.kept
-            for figure in itertools.chain(told, run_out_figures(kind, RUN_OUT_PLANTS)) if run_outs else told:
-                print(figure, flush=True)
-                kept &= figure.kept
+        for figure in _fleet_figures(chosen) if chosen.fleet is not None else _figures(chosen):
+            print(figure, flush=True)
+            kept &= figure.kept
     if not kept:
         raise SystemExit(1)
+
+
+def _figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
+    """Yield the figures of single plants, or of pairs of causes."""
+    for kind in chosen.only or KINDS:
+        if chosen.pairs is not None:
+            yield from pair_figures(kind, chosen.pairs)
+            continue
+        yield from figures(kind, SHORT_PLANTS if chosen.short else chosen.plants, kept_only=chosen.kept)
+        if not chosen.kept:
+            yield from run_out_figures(kind, RUN_OUT_PLANTS)
+
+
+def _fleet_figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
+    """Yield the figures of fleets, and last of all couplings together what is told that is not there."""
+    fleets = []
+    for kind in chosen.only or KINDS:
+        found = fleet_of(kind, chosen.fleet, weeks=chosen.weeks, happenings=chosen.happening, kept_only=chosen.kept)
+        yield from fleet_figures(kind, found)
+        fleets.append(found)
+    if len(fleets) > 1:
+        yield ReportLine("all couplings together", "", "", True)
+        yield from false_figures(
+            {happening: [one for fleet in fleets for one in fleet[happening]] for happening in HAPPENINGS}
+        )
 
 
 if __name__ == "__main__":

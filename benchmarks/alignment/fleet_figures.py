@@ -52,19 +52,29 @@ NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
 
 
-def fleet_figures(kind: CouplingKind, machines: int, *, weeks: int, kept_only: bool = False) -> Iterator[ReportLine]:
-    """Yield the figures of a fleet with one kind of coupling: so many machines for each thing that happens.
+Fleet = dict[Happening, list[FleetRecord]]
+"""What became of machines, by what happened to them."""
+
+
+def fleet_of(
+    kind: CouplingKind, machines: int, *, weeks: int, happenings: Sequence[Happening], kept_only: bool = False
+) -> Fleet:
+    """Return what became of so many machines with one kind of coupling for each thing that happens.
 
     kept_only: only those of which it is kept what became of them.
     """
-    found: dict[Happening, list[FleetRecord]] = {}
-    for number, happening in enumerate(HAPPENINGS):
-        found[happening] = []
+    found: Fleet = {happening: [] for happening in HAPPENINGS}
+    for happening in happenings:
         for seed in range(machines):
             onset = weeks if happening == "healthy" else LONGEST_BASELINE + 2 + seed % 5
-            history = FilmHistory(100 * number + seed, kind, happening, onset)
+            history = FilmHistory(100 * HAPPENINGS.index(happening) + seed, kind, happening, onset)
             if not kept_only or is_kept(record_name(history, weeks=weeks)):
                 found[happening].append(record_of(history, weeks=weeks))
+    return found
+
+
+def fleet_figures(kind: CouplingKind, found: Fleet) -> Iterator[ReportLine]:
+    """Yield the figures of a fleet with one kind of coupling."""
     every = [one for records in found.values() for one in records]
     if not every:
         return
@@ -74,9 +84,10 @@ def fleet_figures(kind: CouplingKind, machines: int, *, weeks: int, kept_only: b
             yield _named(named, found[named], soon)
         if named == "step":
             yield from _whole_steps(kind, found[named])
-    yield _sizes([*found["step"], *found["beyond"]])
+    if moved := [*found["step"], *found["beyond"]]:
+        yield _sizes(moved)
     yield from _alarms(found["beyond"], found["within"])
-    yield from _false(found)
+    yield from false_figures(found)
 
 
 def run_out_figures(kind: CouplingKind, machines: int) -> Iterator[ReportLine]:
@@ -137,7 +148,7 @@ def _sizes(records: Sequence[FleetRecord]) -> ReportLine:
 
 
 def _alarms(beyond: Sequence[FleetRecord], within: Sequence[FleetRecord]) -> Iterator[ReportLine]:
-    if not beyond:
+    if not beyond or not within:
         return
     alarmed = [any(_in_danger(week) for week in one.standing[one.onset : one.onset + SOON["beyond"]]) for one in beyond]
     low, high = part_interval(sum(alarmed), len(alarmed))
@@ -152,7 +163,8 @@ def _in_danger(week: Sequence[tuple[str, str, str]]) -> bool:
     return any(rule == "misalignment" and severity == "danger" for rule, _, severity in week)
 
 
-def _false(found: dict[Happening, list[FleetRecord]]) -> Iterator[ReportLine]:
+def false_figures(found: Fleet) -> Iterator[ReportLine]:
+    """Yield how often an alert is opened for what is not there."""
     healthy = found["healthy"]
     disturbed = [one for name in ("wear", "unbalance", "gain", "pedestal") for one in found[name]]
     for what, records, asked in (("healthy", healthy, FALSE_RATE), ("disturbed", disturbed, DISTURBED_RATE)):
@@ -161,11 +173,12 @@ def _false(found: dict[Happening, list[FleetRecord]]) -> Iterator[ReportLine]:
         years = sum(one.weeks - one.baseline for one in records) / WEEKS_A_YEAR
         wrong = sum(_is_false(one, alert.week) for one in records for alert in one.opened if alert.rule == "misalignment")
         bound = rate_bound(wrong, years)
+        enough = years >= rate_bound(0, 1.0) / asked  # of fewer machine-years the bound cannot be as low as asked
         yield ReportLine(
             f"    false misalignment alerts, {what}, upper bound a machine-year",
             f"<= {asked:g}",
-            f"{wrong} in {years:.1f}: {bound:.2f}",
-            wrong == 0,  # of few machine-years the bound cannot be as low as asked
+            f"{wrong} in {years:.1f}: {bound:.3f}",
+            bound <= asked if enough else wrong == 0,
         )
     if not healthy:
         return

@@ -28,7 +28,7 @@ from estimator.bearings.terms import TERMS
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
-from estimator.identification.sweep_correction import sweep_transient
+from estimator.identification.sweep_correction import predicted_transient
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.parameter_description import describe
 from estimator.modes.eigenmodes import modes
@@ -224,7 +224,7 @@ def timed(true: Document, rate: float) -> None:
     parts: dict[str, Callable[[], object]] = {
         "one fit": lambda: identify(machine, measurement, options),
         "points judged without a model": lambda: assess(noisy, noise=machine.noise),
-        "sweep predicted by a model": lambda: sweep_transient(model, time=run.time, speed=run.speed),
+        "sweep predicted by a model": lambda: predicted_transient(model, time=run.time, speed=run.speed),
         "all, with its fits": lambda: identify_gated(machine, [noisy], [measurement], options=options),
     }
     print(f"\ntimes at {rate:g} r/min per s, {run.time.size} samples of 8 channels, median of 7, CPU [ms]:")

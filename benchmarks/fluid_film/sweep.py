@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.fluid_film.report_line import ReportLine
 from estimator.fit.problem.coordinates import Coordinates
-from estimator.identification.sweep_correction import sweep_transient
+from estimator.identification.sweep_correction import predicted_transient
 from estimator.machine.document import Machine
 from estimator.rotor.condensation import condense
 from estimator.updated_model.model import UpdatedModel, model_at
@@ -33,7 +33,7 @@ def sweep(_: int) -> list[ReportLine]:
         record = plant.swept(rate_rpm_per_s=rate, samples=150)
         true = record.instant - record.steady
         began = time.perf_counter()
-        predicted = sweep_transient(model, time=record.time, speed=record.speed).instant
+        predicted = predicted_transient(model, time=record.time, speed=record.speed).instant
         took = time.perf_counter() - began
         clear = np.abs(true) > CLEAR * np.abs(record.steady)
         wrong = float(np.sqrt(np.sum(np.abs(predicted - true) ** 2) / np.sum(np.abs(true) ** 2)))

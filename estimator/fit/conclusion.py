@@ -24,6 +24,7 @@ from estimator.fit.validation.profile_likelihood import flat_coordinates
 from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
 from estimator.fit.validation.table_cross_terms import judge_table_cross_terms
 from estimator.fit.validation.table_factors import judge_table_factors
+from estimator.symmetric_eigen import condition_number
 
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
@@ -53,7 +54,7 @@ def conclude(
     covariance = np.linalg.inv(information)
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))
-    condition = float(np.linalg.cond(information / np.outer(size, size)))
+    condition = condition_number(information / np.outer(size, size))
     verdict = judge(problem, found)
     beside, of_form = VerdictRemark(), FormVerdict(covariance)
     doubtful, form_alone = frozenset[int](), frozenset[int]()

@@ -20,13 +20,14 @@ from estimator.fit.fit_samples import NotEnoughData
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.fit.problem_setup import expected_phasors, expected_point
-from estimator.identification.sweep_correction import SweepTransient, sweep_transient
+from estimator.identification.sweep_correction import predicted_transient
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.noise import error_size
 from estimator.phasors.quality import Flag, Quality, assess, scatter_from_neighbours, too_few
 from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.sweep_transient import SweepTransient
 from estimator.updated_model.model import UpdatedModel, model_at, updated_model
 
 NEGLIGIBLE = 0.1
@@ -219,7 +220,7 @@ def _transient(model: UpdatedModel, runs: Sequence[RecordedRun], base: Measureme
             continue
         added = None if base.added is None else base.added[piece][0]
         turning = 1 if np.sum(base.direction[piece]) >= 0.0 else -1
-        each.append(sweep_transient(model.turning(turning), time=run.time - run.time[0], speed=run.speed, added=added))
+        each.append(predicted_transient(model.turning(turning), time=run.time - run.time[0], speed=run.speed, added=added))
     return SweepTransient(np.concatenate([one.instant for one in each]), np.concatenate([one.averaged for one in each]))
 
 

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from functools import lru_cache, wraps
 from typing import TypeVar, TypeVarTuple
 
+from estimator.machine.document import Machine
+
 CACHE_SIZE = 6
 """Number of results cached of each function: an identification needs its machine, with exact probes, scaled, and turned the
 other way.
@@ -21,10 +23,11 @@ Computed = TypeVar("Computed")
 
 
 class _IdentityKey:
-    """Arguments that equal others where each is the very same object or number."""
+    """Arguments that equal others where each is the very same object or number; what they are parts of does not count."""
 
-    def __init__(self, arguments: tuple[object, ...]) -> None:
+    def __init__(self, arguments: tuple[object, ...], of: object = None) -> None:
         self.arguments = arguments  # held, so that no other object can take its place in memory
+        self.of = of
 
     def __hash__(self) -> int:
         return hash(tuple(one if isinstance(one, float) else id(one) for one in self.arguments))
@@ -58,6 +61,30 @@ def cached_for_runs(function: Callable[[*Arguments], Computed]) -> Callable[[*Ar
         The cached function.
     """
     return _cached(function, RUNS)
+
+
+def cached_without_probes(function: Callable[[Machine], Computed]) -> Callable[[Machine], Computed]:
+    """Cache what follows from a machine whatever its probes are, as `cached_for_runs` does.
+
+    A machine and its copy with other probes, of which all else is the very same, have one result.
+
+    Args:
+        function: Function of a machine, whose results are small.
+
+    Returns:
+        The cached function.
+    """
+    parts = [name for name in Machine.model_fields if name != "probes"]
+
+    @lru_cache(maxsize=RUNS)
+    def known(key: _IdentityKey) -> Computed:
+        return function(key.of)  # type: ignore[arg-type]
+
+    @wraps(function)
+    def answered(machine: Machine) -> Computed:
+        return known(_IdentityKey(tuple(getattr(machine, name) for name in parts), machine))
+
+    return answered
 
 
 def _cached(function: Callable[[*Arguments], Computed], size: int) -> Callable[[*Arguments], Computed]:

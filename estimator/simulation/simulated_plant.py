@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.model import ModelParameter
@@ -11,6 +12,8 @@ from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.machine.rules import Noise
+from estimator.machine.scaled_materials import with_scaled_materials
+from estimator.phasors.sweep_transient import SweptTrain, sweep_transient
 from estimator.quantities import Quantity
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.coefficient_models import expected_coefficients, expects_a_law, governing_models
@@ -41,6 +44,8 @@ CONDITION_EFFECT = -0.01
 """Change of the logarithm of every bearing coefficient by a usual change of each condition [-]."""
 YEAR_S = 365.25 * 86_400.0
 """Length of a year [s]."""
+INTERPOLATED_SPEEDS = 33
+"""Number of speeds between which the coefficients of a sweep are interpolated."""
 UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
 """Factor on one disc's unbalance at the end of the unbalance scenario: larger and elsewhere [-]."""
 
@@ -262,6 +267,37 @@ def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.rand
     return clean + noise(machine.noise, clean, rng)
 
 
+def swept_phasors(machine: Machine, truth: Truth, *, time: Floats, speed: Floats, rng: np.random.Generator) -> Complexes:
+    """Compute the 1× phasors of a sweep with the document's noise: the steady state, and what the sweep adds by its rate.
+
+    What it adds is that of the modes up to 1.5 times the highest speed, not of an integration in time (`coast_down.py`).
+
+    Source: own derivation: in the docstring of `estimator/phasors/sweep_transient.py`.
+
+    Args:
+        machine: The machine, with m channels.
+        truth: Its true parameters.
+        time: Times (S,), ascending [s].
+        speed: Speeds (S,) [rad/s].
+        rng: Random generator.
+
+    Returns:
+        Phasors (S, m) at these times [m].
+    """
+    clean = true_phasors(machine, truth, speed)
+    known = np.linspace(float(speed.min()), float(speed.max()), INTERPOLATED_SPEEDS)
+    coefficients = _over_speed(truth, known)
+    follows = coefficients.ndim > 1
+    train = SweptTrain(
+        machine=with_scaled_materials(machine, truth.factors),
+        coefficients=scipy.interpolate.CubicSpline(known, coefficients) if follows else lambda _: coefficients,
+        follows_speed=follows,
+        excitations=_excitations(truth),
+    )
+    moving = clean + sweep_transient(train, time=time, speed=speed).instant
+    return moving + noise(machine.noise, moving, rng)
+
+
 def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
     """Compute steady-state 1× phasors without noise.
 
@@ -275,10 +311,15 @@ def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
     """
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
     train = train.scaled(np.array([truth.factors[name] for name in train.scale_names]))
-    # A simulated machine has no bow and no misalignment load, even where its document allows for them.
-    excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
+    return response(train, coefficients=_over_speed(truth, speed), excitations=_excitations(truth))
+
+
+def _excitations(truth: Truth) -> Complexes:
+    """Return the excitations (E,) [SI]: a simulated machine has no bow and no misalignment load, even where its document
+    allows for them."""
+    excitations = np.zeros(len(truth.unknowns.excitations), dtype=complex)
     excitations[: truth.unbalances.size] = truth.unbalances
-    return response(train, coefficients=_over_speed(truth, speed), excitations=excitations)
+    return excitations
 
 
 def _over_speed(truth: Truth, speed: Floats) -> Floats:

@@ -19,7 +19,7 @@ from estimator.bearings.model import ModelParameter
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import slowest_rpm
-from estimator.rotor.identity_cache import cached_for_runs
+from estimator.rotor.identity_cache import cached_without_probes
 from estimator.statics.coupled_train import coupled_train
 from estimator.statics.equilibrium import film_train
 from estimator.statics.film_curves import FilmCurves
@@ -110,7 +110,7 @@ def film_model(machine: Machine) -> FilmModel:
     return replace(_untouched(machine))
 
 
-@cached_for_runs
+@cached_without_probes
 def _untouched(machine: Machine) -> FilmModel:
     """Return a model with which no films but the nominal ones are solved."""
     train = film_train(machine)

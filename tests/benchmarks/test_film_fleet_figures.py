@@ -1,11 +1,14 @@
-"""Figures of a fleet on oil films: a step that pedestals have grown against is told apart from a whole one."""
+"""Figures of a fleet on oil films: steps that pedestals have grown against, and how rare false alerts are shown to be."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from benchmarks.alignment.film_fleet import FleetRecord, record_name
-from benchmarks.alignment.film_histories import LONGEST_BASELINE, FilmHistory
-from benchmarks.alignment.fleet_figures import fleet_figures
+import pytest
+
+from benchmarks.alignment.film_fleet import FleetRecord, OpenedAlert, record_name
+from benchmarks.alignment.film_histories import HAPPENINGS, LONGEST_BASELINE, WEEKS_A_YEAR, FilmHistory
+from benchmarks.alignment.fleet_figures import false_figures, fleet_figures, fleet_of
 from benchmarks.kept_outcomes import KEEPING, KeptOutcomes
 
 WEEKS = 16
@@ -40,8 +43,23 @@ def test_steps_that_growth_has_made_smaller_are_told_apart(tmp_path: Path) -> No
         kept.outcome(record_name(history, weeks=WEEKS), FleetRecord, partial(record, history, moved_um=moved_um, named=named))
     token = KEEPING.set(kept)
     try:
-        told = {one.what.strip(): one.measured for one in fleet_figures("rigid", 2, weeks=WEEKS, kept_only=True)}
+        found = fleet_of("rigid", 2, weeks=WEEKS, happenings=("step",), kept_only=True)
     finally:
         KEEPING.reset(token)
+    told = {one.what.strip(): one.measured for one in fleet_figures("rigid", found)}
     assert told["step: named within 3 runs"].startswith("1 of 2")
     assert told["where pedestals have not grown against it"] == "1 of 1"
+
+
+@pytest.mark.parametrize(
+    ("machines", "false", "kept"), [(40, 0, True), (40, 1, False), (85, 0, True), (85, 1, False), (130, 1, True)]
+)
+def test_a_rate_is_as_low_as_asked_only_where_enough_years_show_it(machines: int, false: int, kept: bool) -> None:
+    """Each lives a year behind its baseline: 3.69 / 0.044 = 84 years without a false alert are enough, 127 with one."""
+    history = FilmHistory(1, "rigid", "healthy", WEEKS)
+    weeks = 5 + WEEKS_A_YEAR
+    quiet = replace(record(history, moved_um=0.0, named=False), weeks=weeks, offsets=(0.0,) * weeks)
+    wrong = replace(quiet, opened=(OpenedAlert(30, "misalignment", "coupling.C1", "warning", 40.0),))
+    found = {name: [] for name in HAPPENINGS} | {"healthy": [wrong] * false + [quiet] * (machines - false)}
+    told = {one.what.strip(): one for one in false_figures(found)}
+    assert told["false misalignment alerts, healthy, upper bound a machine-year"].kept is kept

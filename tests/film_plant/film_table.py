@@ -16,7 +16,7 @@ from functools import cache
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly, RectBivariateSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, RectBivariateSpline
 
 from tests.film_plant.arrays import Floats
 from tests.film_plant.profile import PROFILES, Pad, Profile, reach
@@ -93,7 +93,8 @@ class RoundTable:
         quadratic = force.derivative().c
         # One look-up of all: the slope as cubics without their first term.
         cubic = np.concatenate([np.zeros_like(quadratic[:1]), quadratic])
-        self._splines = PPoly(np.concatenate([force.c, cubic, damping.c], axis=2), ROUND_WAYS)
+        # One cubic of all ten columns between each two ways (n - 1, 4, 10), highest power first.
+        self._cubics = np.concatenate([force.c, cubic, damping.c], axis=2).swapaxes(0, 1)
 
     def way(self, position: Floats) -> float:
         """Way to the wall: the eccentricity."""
@@ -105,7 +106,11 @@ class RoundTable:
         if way > ROUND_WAYS[-1]:
             raise OutsideTable(f"eccentricity {way:.3f} is above {ROUND_WAYS[-1]:.3f}")
         fade = 1.0 - way**2
-        force, slope, damping = np.split(self._splines(way), [2, 4])
+        place = min(int(np.searchsorted(ROUND_WAYS, way, side="right")), len(self._cubics)) - 1
+        third, second, first, constant = self._cubics[place]
+        beyond = way - ROUND_WAYS[place]
+        columns = ((third * beyond + second) * beyond + first) * beyond + constant
+        force, slope, damping = columns[:2], columns[2:4], columns[4:]
         force = force / fade**FORCE_POWER
         slope = slope / fade**FORCE_POWER + 2 * FORCE_POWER * way / fade * force
         # The limit in the middle: force there is that of the slope.

@@ -11,7 +11,7 @@ import numpy as np
 
 from tests.film_plant.arrays import Floats, Indices
 from tests.film_plant.assembly import DOFS, Matrices, assemble, node_stations
-from tests.film_plant.film_table import FilmTable, OutsideTable
+from tests.film_plant.film_table import FilmTable, FilmValues, OutsideTable
 from tests.film_plant.tilting_table import bearing_table
 from tests.film_plant.train import Train
 
@@ -81,6 +81,7 @@ class Statics:
         # The train was aligned with its weight on the pedestals.
         self._at_rest = self._stiffness @ aligned_elevations(train).ravel() - self._carried
         self._clearance = np.repeat(train.clearances, 2)
+        self._last: dict[int, tuple[Floats, FilmValues]] = {}
 
     def follow(self, speed: Floats) -> Equilibrium:
         """Find the equilibria at speeds (S,) [rad/s], in any order."""
@@ -153,7 +154,7 @@ class Statics:
                 slow[here, here] = stiffness[k]
                 force[here] = self._at_rest[here] - stiffness[k] @ position[here]
                 continue
-            film = self._tables[k].at(place)
+            film = self._film(k, place)
             unit = bearing.force_unit(viscosity=float(viscosity[k]), speed=speed)
             here = slice(2 * k, 2 * k + 2)
             force[here] = unit * film.force
@@ -161,6 +162,15 @@ class Statics:
             stiffness[k] = unit / bearing.clearance * film.stiffness
             damping[k] = unit / bearing.clearance / speed * film.damping
         return _Films(force, slow, stiffness, damping)
+
+    def _film(self, number: int, place: Floats) -> FilmValues:
+        """Film of a bearing, in its table's units, at a place (2,) [clearances]; the last one, which is asked for again at
+        the next speed, is remembered."""
+        before, film = self._last.get(number, (None, None))
+        if film is None or before is None or before[0] != place[0] or before[1] != place[1]:
+            film = self._tables[number].at(place)
+            self._last[number] = place, film
+        return film
 
     def _residual(self, films: _Films, position: Floats) -> Floats:
         """Force (2n,) that is missing for equilibrium [N]."""

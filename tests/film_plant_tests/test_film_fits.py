@@ -9,7 +9,7 @@ import pytest
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.identification.pooling import combine
-from estimator.identification.sweep_correction import sweep_transient
+from estimator.identification.sweep_correction import predicted_transient
 from estimator.machine.document import parse_machine
 from estimator.machine.film_speeds import reported_rpm
 from estimator.rotor.parameter_names import derived_unit, parameter_units
@@ -116,7 +116,7 @@ def test_what_a_job_does_behind_an_identification_works_with_films() -> None:
     assert derived["critical_speed.1"].value is not None
     model = updated_model(machine, found)
     speed = measured(plant, seed=0).speed
-    swept = sweep_transient(model, time=np.linspace(0.0, 120.0, speed.size), speed=speed)
+    swept = predicted_transient(model, time=np.linspace(0.0, 120.0, speed.size), speed=speed)
     assert np.isfinite(swept.averaged).all()
     again = identify(machine, measured(plant, seed=1), OPTIONS, beginning=found.point)
     assert again.accepted

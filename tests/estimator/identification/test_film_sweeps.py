@@ -6,7 +6,7 @@ import pytest
 from estimator.fit.identification import Options
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.identification.quality_gate import identify_gated
-from estimator.identification.sweep_correction import sweep_transient
+from estimator.identification.sweep_correction import predicted_transient
 from estimator.rotor.condensation import condense
 from estimator.updated_model.model import model_at
 from tests.estimator.sweeps import recorded
@@ -42,7 +42,7 @@ def test_the_correction_follows_each_modes_own_eigenvalue(plant: Plant, record: 
     for disc, first in zip(plant.train.discs, coordinates.excitation_place, strict=False):
         theta[first], theta[first + 1] = disc.unbalance.real, disc.unbalance.imag
     model = model_at(machine, coordinates.names, coordinates.point(theta))
-    found = sweep_transient(model, time=record.time, speed=record.speed)
+    found = predicted_transient(model, time=record.time, speed=record.speed)
     for predicted, measured in ((found.instant, record.instant), (found.averaged, record.averaged)):
         true = measured - record.steady
         assert np.abs(true).max() > 0.02 * np.abs(record.steady).max()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.fit.problem.coordinates import Coordinates
-from estimator.identification.sweep_correction import sweep_transient
+from estimator.identification.sweep_correction import predicted_transient
 from estimator.machine.document import Machine
 from estimator.phasors.speed_law import SpeedLaw
 from estimator.rotor.condensation import condense
@@ -29,7 +29,7 @@ def test_prediction_is_what_the_integration_shows() -> None:
     time = np.linspace(5.0, 100.0, 200)
     speed = moved.law.speed(time)
     true = moved.envelope(time) - steady(machine, speed)
-    found = sweep_transient(nominal(machine), time=time, speed=speed).instant
+    found = predicted_transient(nominal(machine), time=time, speed=speed).instant
     clear = np.abs(true) > 0.01 * np.abs(steady(machine, speed))
     assert np.mean(clear) > 0.2
     wrong = (np.abs(found - true) / np.abs(true))[clear]
@@ -47,7 +47,7 @@ def test_means_over_blocks_are_predicted_too() -> None:
     inside = np.linspace(-half, half, 201)
     mean = np.array([np.trapezoid(moved.envelope(moment + inside), inside, axis=0) for moment in time]) / (2 * half)
     true = mean - steady(machine, speed)
-    found = sweep_transient(nominal(machine), time=time, speed=speed).averaged
+    found = predicted_transient(nominal(machine), time=time, speed=speed).averaged
     middle = slice(1, -1)  # the first and the last block are only half known
     clear = np.abs(true[middle]) > 0.02 * np.abs(steady(machine, speed))[middle]
     assert np.median((np.abs(found - true)[middle] / np.abs(true[middle]))[clear]) < 0.05
@@ -59,7 +59,7 @@ def test_lightly_damped_single_mass_to_a_few_per_cent() -> None:
     time = np.linspace(1.0, 15.0, 300)
     speed = moved.law.speed(time)
     true = moved.envelope(time) - steady(machine, speed)
-    found = sweep_transient(nominal(machine), time=time, speed=speed).instant
+    found = predicted_transient(nominal(machine), time=time, speed=speed).instant
     behind = speed > 150.0
     assert np.abs(true[behind]).max() > 0.2 * np.abs(steady(machine, speed)).max()
     assert np.abs(found - true)[behind].max() < 0.03 * np.abs(true).max()
@@ -70,7 +70,7 @@ def test_deviation_of_slow_sweeps_goes_with_the_rate() -> None:
     speed = np.linspace(560.0, 60.0, 150)
     sizes = []
     for duration in (4e4, 8e4):
-        found = sweep_transient(nominal(machine), time=np.linspace(0.0, duration, 150), speed=speed).instant
+        found = predicted_transient(nominal(machine), time=np.linspace(0.0, duration, 150), speed=speed).instant
         sizes.append(np.sqrt(np.mean(np.abs(found / steady(machine, speed)) ** 2)))
     assert sizes[0] < 0.01
     assert sizes[1] == pytest.approx(sizes[0] / 2, rel=0.02)
@@ -82,8 +82,8 @@ def test_noise_of_the_speed_is_no_acceleration() -> None:
     time = np.linspace(0.0, 2000.0, 200)
     speed = np.linspace(560.0, 60.0, 200)
     model = nominal(machine)
-    clean = sweep_transient(model, time=time, speed=speed).instant
-    found = sweep_transient(model, time=time, speed=speed * (1 + 5e-4 * rng.standard_normal(200))).instant
+    clean = predicted_transient(model, time=time, speed=speed).instant
+    found = predicted_transient(model, time=time, speed=speed * (1 + 5e-4 * rng.standard_normal(200))).instant
     size = np.abs(steady(machine, speed))
     assert np.max(np.abs(found) / size) < np.max(np.abs(clean) / size) + 0.05
 

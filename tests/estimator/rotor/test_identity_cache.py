@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from estimator.machine.document import Machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import condense
-from estimator.rotor.identity_cache import CACHE_SIZE, cached_by_identity
+from estimator.rotor.identity_cache import CACHE_SIZE, cached_by_identity, cached_without_probes
 from tests.identification import chapter_3
 
 
@@ -51,3 +52,18 @@ def test_a_changed_copy_of_a_machine_is_another_one_and_nobody_changes_what_is_k
     speed = np.array([100.0, 200.0])
     condense(machine, speed=speed, direction=np.ones(2)).known[:] = 0.0
     assert (assemble_rotor(machine).materials[name].stiffness == before).all()
+
+
+def test_what_probes_do_not_change_is_computed_once_for_a_machine_and_its_copy_with_other_probes() -> None:
+    machine = chapter_3()
+    asked: list[Machine] = []
+
+    @cached_without_probes
+    def answer(machine: Machine) -> int:
+        asked.append(machine)
+        return len(asked)
+
+    exact = machine.model_copy(update={"probes": machine.probes[:1]})
+    turning = machine.model_copy(update={"rotation": "negative"})
+    assert [answer(machine), answer(exact), answer(machine), answer(turning)] == [1, 1, 1, 2]
+    assert asked == [machine, turning]

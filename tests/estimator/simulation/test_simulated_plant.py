@@ -7,6 +7,8 @@ import pytest
 
 from estimator.machine.document import parse_machine
 from estimator.machine.rules import Noise
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
 from estimator.runs.segmentation import RunEnded, RunKind, RunStarted, SweepLimits, SweepState, advance, finish
 from estimator.simulation.scenarios import Scenario
 from estimator.simulation.simulated_plant import (
@@ -21,10 +23,12 @@ from estimator.simulation.simulated_plant import (
     measured_phasors,
     noise,
     speed_law,
+    swept_phasors,
     truth_at_progress,
     truth_of_run,
 )
 from estimator.units import rad_per_s_to_rpm
+from tests.estimator.sweeps import fast_coast_down, light_chapter_3, steady
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
 
 MACHINE = chapter_3()
@@ -217,6 +221,27 @@ def test_measured_phasors_carry_that_noise() -> None:
     assert found.shape == (400, len(MACHINE.channels))
     assert np.sqrt(np.mean(found**2)) == pytest.approx(0.01, rel=0.06)
     assert not np.array_equal(found, deviation(speed, seed=2))
+
+
+def test_a_fast_sweep_rings_on_as_an_integration_in_time_does() -> None:
+    """The phasors of a train that coasts down in 100 s, beside those of `coast_down`; the steady state is far from both."""
+    moved = fast_coast_down()
+    document = light_chapter_3().model_dump(mode="json") | {"noise": {"relative": 1e-12, "floor": 0.0}}
+    machine = parse_machine(document)
+    train = unknowns(machine, assemble_rotor(machine))
+    as_documented = Truth(
+        train,
+        np.array([one.expected for one in train.coefficients]),
+        np.array([one.nominal for one in train.unbalances], dtype=complex),
+        {},
+    )
+    time = np.linspace(5.0, 100.0, 200)
+    speed = moved.law.speed(time)
+    true, still = moved.envelope(time), steady(machine, speed)
+    found = swept_phasors(machine, as_documented, time=time, speed=speed, rng=np.random.default_rng(1))
+    off, added = np.linalg.norm(found - true), np.linalg.norm(still - true)
+    assert added > 0.05 * np.linalg.norm(still)
+    assert off < 0.1 * added
 
 
 def test_a_machine_that_turns_the_other_way_responds_otherwise() -> None:
