@@ -39,12 +39,12 @@ Real = Annotated[float, Within(gt=-1e15, lt=1e15)]
 Length = Annotated[float, Within(gt=1e-6, lt=100)]
 Angle = Annotated[float, Within(ge=-3600, le=3600)]
 Spread = Annotated[float, Within(ge=0, lt=0.5, usual=(0.01, 0.3))]
-Vibration = Annotated[float, Within(gt=0, lt=1e15, usual=(1e-6, 1e-3))]
+VibrationLimit = Annotated[float, Within(gt=0, lt=1e15, usual=(1e-6, 1e-3))]
 """Amplitude of a vibration that is a limit [m]."""
 SmallLength = Annotated[float, Within(ge=0, lt=1e15, usual=(1e-9, 5e-5))]
 """Run-out or error of a probe, rms; 0 for none [m]."""
 ElevationSpread = Annotated[float, Within(ge=0, le=0.01, usual=(1e-5, 1e-3))]
-"""How far a bearing's centre may be from its elevation, rms [m]."""
+"""Standard deviation of a bearing's centre from its elevation [m]."""
 
 PATTERNS: Mapping[str, str] = {
     r"^[A-Za-z0-9_-]{1,64}$": "an id has 1 to 64 letters, digits, '_' and '-'",

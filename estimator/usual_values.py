@@ -1,4 +1,4 @@
-"""What is usual of a number that somebody writes, and the unit that was probably meant where it is far from that.
+"""Usual values of numbers that somebody writes, and the unit that was probably meant where one is far from them.
 
 A field declares its unit in its description, the first words in brackets, and what is usual there, as "usual is …", or as
 numbers beside its bounds (`estimator.field_types.Within`). Errors and warnings tell both from here.
@@ -20,7 +20,7 @@ from estimator.units import KILOGRAMS, METRES, RAD_PER_S, RADIANS
 UNIT = re.compile(r"\[([^\]]*)\]")
 """Unit in the description of a field; no unit is [-]."""
 USUAL = re.compile(r"\busual(?:ly)?\b[^;:]*")
-"""What is usual, in the description of a field."""
+"""Clause of a field's description that says what is usual."""
 
 
 BOUNDS: Mapping[str, tuple[str, str]] = {
@@ -29,7 +29,7 @@ BOUNDS: Mapping[str, tuple[str, str]] = {
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "less than or equal to"),
 }
-"""Where an error has the bound that a number passes, and how it is told, by the library's kind of the error."""
+"""Name of the bound in an error, and its words, by the library's kind of the error."""
 TINY = 1e-20
 """Bound that stands for zero [m, or any unit]."""
 
@@ -39,8 +39,8 @@ class OtherUnit(Struct, frozen=True):
 
     Attributes:
         name: Its name.
-        factor: What one of it is in the field's unit.
-        zero: Value in it that is zero in the field's unit.
+        factor: One of it in the field's unit [that unit per this one].
+        zero: Value in it that is zero in the field's unit [this unit].
     """
 
     name: str
@@ -79,10 +79,10 @@ OTHER_UNITS: Mapping[str, tuple[OtherUnit, ...]] = {
 
 
 def with_unit(value: float, unit: str) -> str:
-    """Write a value with its unit.
+    """Join a value with its unit.
 
     Args:
-        value: The value.
+        value: The value [unit].
         unit: Its unit; "-" or nothing where it has none.
 
     Returns:
@@ -92,12 +92,12 @@ def with_unit(value: float, unit: str) -> str:
 
 
 def question(value: float, unit: str, usual: tuple[float, float]) -> str:
-    """Ask whether another unit was meant, where that makes a value usual.
+    """Return the question whether another unit was meant, where that makes a value usual.
 
     Args:
-        value: The value as it was given.
+        value: The value as it was given [unit].
         unit: Unit in which it counts.
-        usual: Least and largest usual value [that unit].
+        usual: Least and largest usual value [unit].
 
     Returns:
         The question, beginning with a semicolon; empty where no other unit makes the value usual.
@@ -110,11 +110,11 @@ def question(value: float, unit: str, usual: tuple[float, float]) -> str:
 
 
 class Declaration(Struct, frozen=True):
-    """What a field declares of its numbers.
+    """Declaration of a field of its numbers.
 
     Attributes:
         unit: Its unit; "-" for none, empty where the description says nothing.
-        usual: Least and largest usual value [its unit]; None where that is not declared.
+        usual: Least and largest usual value [unit]; None where that is not declared.
         clause: What is usual, in words; empty where nothing is declared.
     """
 
@@ -123,10 +123,10 @@ class Declaration(Struct, frozen=True):
     clause: str
 
     def question(self, value: float) -> str:
-        """Ask whether another unit was meant, as `question` does.
+        """Return the question whether another unit was meant, as the function of that name does.
 
         Args:
-            value: The value as it was given.
+            value: The value as it was given [unit].
 
         Returns:
             The question; empty where no other unit makes the value usual.
@@ -134,10 +134,10 @@ class Declaration(Struct, frozen=True):
         return "" if self.usual is None else question(value, self.unit, self.usual)
 
     def words(self, value: float) -> str:
-        """Tell a value that is not usual.
+        """State that a value is not usual.
 
         Args:
-            value: The value as it was given.
+            value: The value as it was given [unit].
 
         Returns:
             The value with its unit, what is usual, and the unit that was probably meant.
@@ -177,7 +177,7 @@ def declaration(field: FieldInfo) -> Declaration:
 
 
 def range_words(error: Any, field: FieldInfo | None) -> str:
-    """Tell that a number passes a bound: with its unit, what is usual, and the unit that was probably meant.
+    """State that a number passes a bound: with its unit, what is usual, and the unit that was probably meant.
 
     Args:
         error: The error as pydantic lists it.

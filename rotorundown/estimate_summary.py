@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from estimator.fit.estimates import KEPT, TIED, Estimate
+from estimator.machine.parameter_description import describe
 
 G_MM = 1e6
 """g mm in a kg m."""
@@ -64,8 +65,9 @@ def _unsought(estimates: Sequence[Estimate]) -> Iterator[str]:
     kept = sum(one.startswith(KEPT) for one in reasons)
     if kept:
         yield f"{kept} kept"
-    for element, count in Counter(one.rpartition(".")[0] for one in reasons if one.startswith(TIED)).items():
-        yield f"{count} {element}"
+    leaders = [describe(one.removeprefix(TIED).strip()).element for one in reasons if one.startswith(TIED)]
+    for element, count in Counter(leaders).items():
+        yield f"{count} {TIED} {element}"
 
 
 def _term(label: str, one: Estimate) -> str:

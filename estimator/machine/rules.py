@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from estimator.field_types import Identifier, NotNegative, Part, Positive, SmallLength, Text, Vibration, Within
+from estimator.field_types import Identifier, NotNegative, Part, Positive, SmallLength, Text, VibrationLimit, Within
 from estimator.machine.alignment_rules import AlignmentTarget, AlignmentTolerance, HealthyVariation
 
 
@@ -44,9 +44,9 @@ class SeverityZones(Part):
     source: Annotated[Text, Field(min_length=1, max_length=200)] = Field(
         description="where the boundaries come from: a standard with its part and edition, the maker's manual, a contract"
     )
-    a_b: Vibration = Field(description="between zones A and B, 0-to-peak [m]: half of a peak-to-peak value")
-    b_c: Vibration = Field(description="between zones B and C, 0-to-peak [m]")
-    c_d: Vibration = Field(description="between zones C and D, 0-to-peak [m]")
+    a_b: VibrationLimit = Field(description="between zones A and B, 0-to-peak [m]: half of a peak-to-peak value")
+    b_c: VibrationLimit = Field(description="between zones B and C, 0-to-peak [m]")
+    c_d: VibrationLimit = Field(description="between zones C and D, 0-to-peak [m]")
 
     @model_validator(mode="after")
     def _ascending(self) -> Self:
@@ -83,13 +83,13 @@ class Operation(Part):
     running_rpm: Positive | None = Field(
         default=None, description="speed at which it works, for loads at running speed [r/min]; by default a run's highest"
     )
-    vibration_limit: Vibration | None = Field(
+    vibration_limit: VibrationLimit | None = Field(
         default=None, description="largest 1× vibration that a balanced machine may have at any probe, 0-to-peak [m]"
     )
-    vibration_alert: Vibration | None = Field(
+    vibration_alert: VibrationLimit | None = Field(
         default=None, description="1× vibration at any probe from which a person should look, 0-to-peak [m]"
     )
-    vibration_danger: Vibration | None = Field(
+    vibration_danger: VibrationLimit | None = Field(
         default=None, description="1× vibration at any probe from which the machine is in danger, 0-to-peak [m]"
     )
     severity_zones: SeverityZones | None = Field(
