@@ -1,5 +1,6 @@
 """Types of the fields that people write in documents, in SI units, and the base of a document's parts."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Never
 
 from pydantic import ConfigDict, Field, GetCoreSchemaHandler
@@ -10,9 +11,14 @@ from estimator.strict_model import StrictModel
 
 
 class Within:
-    """Bounds of a finite number. The library would apply each bound by itself, for several hundred fields at every start."""
+    """Bounds of a finite number. The library would apply each bound by itself, for several hundred fields at every start.
 
-    def __init__(self, **bounds: float) -> None:
+    Attributes:
+        usual: Least and largest usual value, in the field's unit; None where nothing is declared.
+    """
+
+    def __init__(self, *, usual: tuple[float, float] | None = None, **bounds: float) -> None:
+        self.usual = usual
         self._schema: Any = {"type": "float", **bounds, "allow_inf_nan": False}
 
     def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -26,11 +32,25 @@ Text = Annotated[str, Field(pattern=r"^[^\x00]*$")]
 # Bounds far beyond any machine: they catch slips of the pen before they become numbers that no arithmetic survives.
 Positive = Annotated[float, Within(gt=0, lt=1e15)]
 Direct = Annotated[float, Within(gt=1e-30, lt=1e15)]
+Stiffness = Annotated[float, Within(gt=1e-30, lt=1e15, usual=(1e5, 1e10))]
+"""Direct stiffness [N/m]."""
 NotNegative = Annotated[float, Within(ge=0, lt=1e15)]
 Real = Annotated[float, Within(gt=-1e15, lt=1e15)]
 Length = Annotated[float, Within(gt=1e-6, lt=100)]
 Angle = Annotated[float, Within(ge=-3600, le=3600)]
-Spread = Annotated[float, Within(ge=0, lt=0.5)]
+Spread = Annotated[float, Within(ge=0, lt=0.5, usual=(0.01, 0.3))]
+VibrationLimit = Annotated[float, Within(gt=0, lt=1e15, usual=(1e-6, 1e-3))]
+"""Amplitude of a vibration that is a limit [m]."""
+SmallLength = Annotated[float, Within(ge=0, lt=1e15, usual=(1e-9, 5e-5))]
+"""Run-out or error of a probe, rms; 0 for none [m]."""
+ElevationSpread = Annotated[float, Within(ge=0, le=0.01, usual=(1e-5, 1e-3))]
+"""Standard deviation of a bearing's centre from its elevation [m]."""
+
+PATTERNS: Mapping[str, str] = {
+    r"^[A-Za-z0-9_-]{1,64}$": "an id has 1 to 64 letters, digits, '_' and '-'",
+    r"^[^\x00]*$": "a text has no NUL in it",
+}
+"""Words for the patterns of identifiers and texts: errors show no regular expressions."""
 
 
 class PartUnchangeable(Invalid, AttributeError):

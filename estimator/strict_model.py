@@ -104,6 +104,18 @@ def _together(
     return sorted([*own, *repeatable(more)], key=place)
 
 
+def own_words(message: str) -> str:
+    """Return the words of an error without what pydantic puts before those of a validator.
+
+    Args:
+        message: The message as pydantic lists it.
+
+    Returns:
+        The words.
+    """
+    return message.removeprefix("Value error, ")
+
+
 def repeatable(errors: Sequence[Any]) -> list[InitErrorDetails]:
     """Return pydantic's errors as they can be raised once more.
 
@@ -148,6 +160,29 @@ def fields_beside(model: type[BaseModel], location: Sequence[int | str]) -> list
         held = [one.model_fields[name].annotation for one in models if isinstance(name, str) and name in one.model_fields]
         models = [one for annotation in held for one in _models_in(annotation)] or models
     return sorted({field.alias or name for one in models for name, field in one.model_fields.items()})
+
+
+def field_at(model: type[BaseModel], location: Sequence[int | str]) -> FieldInfo | None:
+    """Return the field of a (nested) model in which an error lies.
+
+    Args:
+        model: The model.
+        location: Names, indices and forms from the model down to the field, or to one of its items.
+
+    Returns:
+        The innermost field; None where the location leads to none.
+    """
+    models, found, is_key = [model], None, False
+    for name in location:
+        if is_key:  # a name that somebody chose, which may also be that of a field
+            is_key = False
+            continue
+        models = [one for one in models if one.__name__ == name] or models  # the form that is told apart by its name
+        held = [one.model_fields[name] for one in models if isinstance(name, str) and name in one.model_fields]
+        if held:
+            found, is_key = held[0], typing.get_origin(held[0].annotation) is dict
+            models = [one for field in held for one in _models_in(field.annotation)]
+    return found
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

@@ -43,6 +43,10 @@ KILOGRAM_METRES: dict[str, float] = {
 """Factor from a declared unit of an unbalance to kg m."""
 
 
+GRAVITY = 9.81
+"""Acceleration of free fall [m/s²]."""
+
+
 def rpm_to_rad_per_s(rpm: float) -> float:
     """Convert a speed from r/min to rad/s.
 

@@ -3,9 +3,11 @@
 import cmath
 import math
 import textwrap
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 
-from estimator.fit.estimates import Estimate
+from estimator.fit.estimates import KEPT, TIED, Estimate
+from estimator.machine.parameter_description import describe
 
 G_MM = 1e6
 """g mm in a kg m."""
@@ -47,13 +49,25 @@ def _terms(element: str, estimates: Sequence[Estimate], *, room: int) -> str:
     """Return an element's terms, as many as its line has room for, at least one."""
     known = sorted((one for one in estimates if one.estimable), key=lambda one: one.name.endswith(CROSS_COUPLED))
     terms = [_term(one.name.removeprefix(f"{element}."), one) for one in known[:MOST_TERMS]]
-    open_ones = len(estimates) - len(known)
+    unsought = [*_unsought(estimates)]
+    open_ones = sum(one.sought for one in estimates) - len(known)
     for count in range(len(terms), -1, -1):
         more = [f"+ {len(known) - count} more"] if len(known) > count else []
-        said = ", ".join([*terms[:count], *more, *([f"{open_ones} not estimable"] if open_ones else [])])
+        said = ", ".join([*terms[:count], *more, *unsought, *([f"{open_ones} not estimable"] if open_ones else [])])
         if len(said) <= room or count <= 1:
             break
     return said
+
+
+def _unsought(estimates: Sequence[Estimate]) -> Iterator[str]:
+    """Yield how many of an element's terms are kept, or tied to those of which element."""
+    reasons = [one.reason or "" for one in estimates if not one.sought]
+    kept = sum(one.startswith(KEPT) for one in reasons)
+    if kept:
+        yield f"{kept} kept"
+    leaders = [describe(one.removeprefix(TIED).strip()).element for one in reasons if one.startswith(TIED)]
+    for element, count in Counter(leaders).items():
+        yield f"{count} {TIED} {element}"
 
 
 def _term(label: str, one: Estimate) -> str:

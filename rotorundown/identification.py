@@ -11,6 +11,7 @@ from estimator.identification.convention_trials import with_named_conventions
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
+from estimator.strict_model import own_words
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.machine_files import checked_machine
 from rotorundown.result import Result
@@ -75,7 +76,7 @@ def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
 
 def _rule_words(item: ErrorDetails, given: Mapping[str, Any]) -> str:
     """Return what is wrong with a rule, with its name and value where pydantic's words name neither."""
-    words = item["msg"].removeprefix("Value error, ")
+    words = own_words(item["msg"])
     name = str(item["loc"][0]) if item["loc"] else ""
     if name == "accepted_rpm":
         words = "give the lowest and the highest speed that count [r/min], such as (300, 3000)"

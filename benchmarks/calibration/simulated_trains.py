@@ -30,8 +30,7 @@ from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors
-from estimator.statics.train_statics import GRAVITY
-from estimator.units import rpm_to_rad_per_s
+from estimator.units import GRAVITY, rpm_to_rad_per_s
 from formats.files.document_files import read_machine
 
 TRAINS = {"motor-pump": 40, "thesis-chapter-3": 12, "motor-compressor": 20}

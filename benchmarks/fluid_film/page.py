@@ -30,6 +30,8 @@ machine that ran it, on one core.
   quantities without elevations.
 - **bound** is the Bayesian Cramér-Rao bound at the truth, the films' deviations included.
 - **SHORT** marks what falls short."""
+BY_HAND = "By a script "
+"""Beginning of a paragraph that no part makes: it stays in its section, whose end it is, when the page is written anew."""
 SECTIONS = {
     "films": "Single films",
     "tilting-pads": "Tilting pads",
@@ -60,10 +62,22 @@ def write_page(found: Mapping[str, Sequence[ReportLine]], *, plants: Mapping[str
     Returns:
         The page.
     """
-    PAGE.write_text(
-        paragraphs(INTRODUCTION, _run(found, plants, left_out), *_sections(found, plants)) + "\n", encoding="utf-8"
-    )
+    by_hand = paragraphs_by_hand(PAGE.read_text(encoding="utf-8")) if PAGE.exists() else {}
+    told = paragraphs(INTRODUCTION, _run(found, plants, left_out), *_sections(found, plants, by_hand))
+    PAGE.write_text(told + "\n", encoding="utf-8")
     return PAGE
+
+
+def paragraphs_by_hand(page: str) -> dict[str, list[str]]:
+    """Return the paragraphs of a page that were written by hand, by the heading of their section."""
+    found: dict[str, list[str]] = {}
+    heading = ""
+    for paragraph in page.strip().split("\n\n"):
+        if paragraph.startswith("## "):
+            heading = paragraph.removeprefix("## ")
+        elif paragraph.startswith(BY_HAND):
+            found.setdefault(heading, []).append(paragraph)
+    return found
 
 
 def seeds(part: str, plants: int) -> str:
@@ -115,7 +129,9 @@ def counts(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int])
     return " ".join([str(usual), *others])
 
 
-def _sections(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int]) -> list[str]:
+def _sections(
+    found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int], by_hand: Mapping[str, Sequence[str]]
+) -> list[str]:
     parts = []
     for name, figures in found.items():
         parts += [f"## {SECTIONS[name]}", seeds(name, plants[name]), _table(figures)]
@@ -124,6 +140,7 @@ def _sections(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, in
                 "The films of bearing B1 of the plant of seed 0 as they were found, with 95 % bands; dashed the truth.",
                 *(f"![{what} over speed]({place})" for what, place in coefficients_over_speed(0)),
             ]
+        parts += by_hand.get(SECTIONS[name], ())
     rows = dict(_coverages(found))
     if rows:
         words = "Solid: 95 %; dashed: 86 %, the least that is asked of a kind. What is less than 70 % is drawn there."

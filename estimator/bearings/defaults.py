@@ -31,6 +31,14 @@ class FormDefaults:
         """
         return None
 
+    def implausible(self) -> Iterable[tuple[str, str]]:
+        """Return nothing.
+
+        Returns:
+            Nothing.
+        """
+        return ()
+
     def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterable[tuple[str, str]]:  # noqa: ARG002
         """Return no warnings.
 

@@ -6,18 +6,16 @@ stand beside them: they carry what their own stiffness makes of it.
 """
 
 from collections.abc import Sequence
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from estimator.bearings.defaults import FormDefaults
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter, WholeTrain
 from estimator.bearings.terms import LATERAL
-from estimator.field_types import Part, Spread, Within
+from estimator.field_types import ElevationSpread, Part, Spread
 from estimator.quantities import UNITS
 
-LARGEST_ELEVATION_SPREAD = 0.01
-"""Largest prior standard deviation of an elevation [m]; more was meant in µm or mm."""
 DEVIATING = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyy")
 """Terms of a film that deviate from its model each by itself; cyx deviates as cxy, to which it is equal in a film."""
 
@@ -59,7 +57,7 @@ class JournalForm(FormDefaults, Part):
         default=0.0,
         description="how far the slope of ln viscosity over ln speed may be off, rms [-]; 0: as the oil says",
     )
-    elevation_spread: Annotated[float, Within(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
+    elevation_spread: ElevationSpread = Field(
         default=1.5e-4, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
     )
     discrepancy: Spread = Field(

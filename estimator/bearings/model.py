@@ -276,6 +276,13 @@ class BearingForm(Protocol):
             The value [SI]; None where the element's own nominal value holds, at every speed.
         """
 
+    def implausible(self) -> Iterable[tuple[str, str]]:
+        """Find what only a slip of the unit explains, in a bearing or pedestal: refused where documents enter.
+
+        Returns:
+            Pairs of a field of the form, and a sentence about it.
+        """
+
     def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterable[tuple[str, str]]:
         """Find what is possible but probably a mistake.
 

@@ -25,6 +25,7 @@ from estimator.bearings.table_columns import (
     COLUMNS,
     MOST_LOADS,
     MOST_SPEEDS,
+    SMALLEST_STIFFNESS,
     ColumnsAtLoad,
     TableColumns,
     at_load,
@@ -34,11 +35,12 @@ from estimator.bearings.terms import LATERAL, TERMS
 from estimator.field_types import Positive, Spread
 from estimator.quantities import UNITS
 from estimator.units import RAD_PER_S, rpm_to_rad_per_s
+from estimator.usual_values import question
 
 FEWEST_SPEEDS = 5
 """Least number of speeds of a table."""
-SMALLEST_STIFFNESS = 1e3
-"""Direct stiffness of a film below which another unit was probably meant [N/m]."""
+LEAST_COVERED = 0.5
+"""Least part of a machine's highest speed at which a table in other units is taken to end, as most at its inverse [-]."""
 LEAST_DAMPED = 5e-3
 """Direct damping times the speed over the stiffness below which another unit was probably meant [-]."""
 WIDEST_GAP = 0.7
@@ -285,6 +287,16 @@ class Table(FormDefaults, TableColumns):
             return None
         return float(self._model((term,), (term,)).at(np.array([rpm_to_rad_per_s(rpm)])).table[0, 0])
 
+    def implausible(self) -> Iterator[tuple[str, str]]:
+        """Find stiffnesses, at any load, that are too small for a bearing: their unit must be another.
+
+        Yields:
+            Path of a column in the form, and its smallest value with what is usual.
+        """
+        yield from self.too_soft()
+        for number, one in enumerate(self.over_load or ()):
+            yield from ((f"over_load[{number}].{name}", words) for name, words in one.too_soft())
+
     def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterator[tuple[str, str]]:
         """Find what is probably a mistake: a speed range beyond the table's ends, stiffnesses in another unit.
 
@@ -300,7 +312,8 @@ class Table(FormDefaults, TableColumns):
         if ranges:
             beyond = " and ".join(f"from {low:g} to {high:g}" for low, high in ranges)
             words = f"the table covers {first:g} to {last:g} r/min and is held level beyond its ends, {beyond} r/min"
-            yield "speed_rpm", words
+            meant = question(last, "r/min", (LEAST_COVERED * highest_rpm, highest_rpm / LEAST_COVERED))
+            yield "speed_rpm", words + meant
         yield from self._gaps(lowest_rpm, highest_rpm)
         if self.over_load and self.load is not None:
             least, most = self.over_load[0].load, self.over_load[-1].load

@@ -1,7 +1,7 @@
 """Columns of a table of coefficients over speed, for one load on the bearing or for several."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -9,14 +9,18 @@ from pydantic import Field
 
 from estimator.bearings.monotone_cubic import MonotoneCubic
 from estimator.bearings.terms import LATERAL
-from estimator.field_types import Direct, Part, Positive, Real
+from estimator.field_types import Direct, Part, Positive, Real, Stiffness
+from estimator.usual_values import declarations
 
 MOST_SPEEDS = 500
 """Largest number of speeds of a table."""
 MOST_LOADS = 20
 """Largest number of loads of a table."""
+SMALLEST_STIFFNESS = 1e3
+"""Smallest direct stiffness of a bearing or pedestal [N/m]: one that sinks by a millimetre under 0.1 kg."""
 COLUMNS = tuple(term.name for term in LATERAL)
 """Terms that a table can give."""
+StiffnessColumn = Annotated[tuple[Stiffness, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 
@@ -24,10 +28,10 @@ CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS, fail_fas
 class TableColumns(Part):
     """Columns of a table over speed; those that are not given are no columns."""
 
-    kxx: DirectColumn = Field(default=None, description="at each speed [N/m]")
+    kxx: StiffnessColumn = Field(default=None, description="at each speed [N/m]; usual is 1e+5 to 1e+9 N/m")
     kxy: CrossColumn = Field(default=None, description="at each speed [N/m]")
     kyx: CrossColumn = Field(default=None, description="at each speed [N/m]")
-    kyy: DirectColumn = Field(default=None, description="at each speed [N/m]")
+    kyy: StiffnessColumn = Field(default=None, description="at each speed [N/m]; usual is 1e+5 to 1e+9 N/m")
     cxx: DirectColumn = Field(default=None, description="at each speed [N s/m]")
     cxy: CrossColumn = Field(default=None, description="at each speed [N s/m]")
     cyx: CrossColumn = Field(default=None, description="at each speed [N s/m]")
@@ -37,6 +41,17 @@ class TableColumns(Part):
     def coefficients(self) -> tuple[str, ...]:
         """Return the terms that have a column."""
         return tuple(name for name in COLUMNS if getattr(self, name) is not None)
+
+    def too_soft(self) -> Iterator[tuple[str, str]]:
+        """Find stiffnesses that are too small for a bearing: their unit must be another.
+
+        Yields:
+            Name of a column, and its smallest value with what is usual.
+        """
+        for name in ("kxx", "kyy"):
+            column = getattr(self, name)
+            if column and min(column) < SMALLEST_STIFFNESS:
+                yield name, declarations(type(self))[name].words(min(column))
 
     def require_values(self, count: int) -> None:
         """Check that each column has one value at each speed.

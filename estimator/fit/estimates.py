@@ -26,6 +26,9 @@ sound interval.
 LARGEST_PRIOR_PART = 0.8
 """Largest standard error of an estimable level, as a part of that believed beforehand [-]."""
 
+KEPT, TIED = ("kept at its nominal value", "as the document gives it over speed"), "tied to"
+"""Beginnings of the reasons of coefficients that the document keeps, or ties to another's: the data were not asked."""
+
 Common = tuple[str, str, str, str]
 """Name, element, quantity and unit of an estimate."""
 UndeterminedReason = Callable[[str], str] | None
@@ -67,6 +70,11 @@ class Estimate(Struct, frozen=True):
     def estimable(self) -> bool:
         """Return whether the data determine this parameter."""
         return self.value is not None
+
+    @property
+    def sought(self) -> bool:
+        """Return whether the data were asked for it: the document neither keeps its value nor ties it to another."""
+        return self.reason is None or not self.reason.startswith((*KEPT, TIED))
 
 
 def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
@@ -126,11 +134,11 @@ def _coefficients(
     told: set[int] = set()
     for k, coefficient in enumerate(train.unknowns.coefficients):
         if coefficient.fixed:
-            yield _not_estimated(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
+            yield _not_estimated(coefficient, f"{KEPT[0]} {coefficient.nominal:g} {coefficient.unit}")
         elif coefficient.tied_to is not None:
-            yield _not_estimated(coefficient, f"tied to {coefficient.tied_to}")
+            yield _not_estimated(coefficient, f"{TIED} {coefficient.tied_to}")
         elif not coordinates.places(k):
-            yield _not_estimated(coefficient, "as the document gives it over speed, which is taken as exact")
+            yield _not_estimated(coefficient, f"{KEPT[1]}, which is taken as exact")
         else:
             for place in coordinates.places(k):
                 if place in told:

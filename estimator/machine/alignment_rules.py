@@ -28,7 +28,7 @@ def _of_unit(value: Any, *, unit: str, largest: float) -> Any:
 IN_METRES = BeforeValidator(partial(_of_unit, unit="m", largest=LARGEST_OFFSET))
 IN_RADIANS = BeforeValidator(partial(_of_unit, unit="rad", largest=LARGEST_ANGLE))
 
-VariedElevation = Annotated[float, Within(ge=0, le=1e-3)]
+VariedElevation = Annotated[float, Within(ge=0, le=1e-3, usual=(1e-7, 1e-4))]
 """Standard deviation of an elevation of a healthy machine [m]; more was meant in µm."""
 
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ModelWrapValidatorHandler, Va
 from estimator.bearings.registry import place_of
 from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
-from estimator.field_types import Identifier, Length, Part, Text
+from estimator.field_types import PATTERNS, Identifier, Length, Part, Text
 from estimator.machine.calibration import Calibration
 from estimator.machine.consistency import CONTRADICTION, reference_problems
 from estimator.machine.films import StaticLoad
@@ -28,10 +28,9 @@ from estimator.machine.rules import (
 )
 from estimator.machine.sparkplug import Sparkplug
 from estimator.machine.unfinished_document import further_problems
-from estimator.strict_model import fields_beside, repeatable
+from estimator.strict_model import field_at, fields_beside, own_words, repeatable
+from estimator.usual_values import range_words
 
-TINY = 1e-20
-"""Bound that stands for zero [m, or any unit]."""
 COUNTED = ("shafts", "discs", "bearings", "couplings", "probes")
 """Lists whose lengths tell what kind of machine it is."""
 MOST_WITH_FURTHER = 100
@@ -301,10 +300,12 @@ def _words(item: Any, model: type[BaseModel] | None) -> str:
         return "should be a list"
     if item["type"] == "float_parsing" and "," in str(item["input"]):
         return f"'{item['input']!s:.40}' is no number: write it with a decimal point"
-    least = item.get("ctx", {}).get("gt")
-    if item["type"] == "greater_than" and isinstance(least, float) and 0.0 < least <= TINY:
-        return "Input should be greater than 0"
-    return str(item["msg"]).removeprefix("Value error, ")
+    if item["type"] == "too_short":
+        return f"should have at least {item['ctx']['min_length']} of them, not {item['ctx']['actual_length']}"
+    if item["type"] == "string_pattern_mismatch":
+        return PATTERNS.get(item["ctx"]["pattern"], str(item["msg"]))
+    field = None if model is None else field_at(model, item["loc"])
+    return range_words(item, field) or own_words(str(item["msg"]))
 
 
 def field_path(location: tuple[int | str, ...]) -> str:

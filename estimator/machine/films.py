@@ -7,30 +7,39 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from estimator.bearings.journal import LARGEST_ELEVATION_SPREAD
-from estimator.field_types import Angle, Identifier, Length, NotNegative, Part, Positive, Real, Within
+from estimator.field_types import Angle, ElevationSpread, Identifier, NotNegative, Part, Real, Within
+from estimator.usual_values import question
 
 LARGEST_CLEARANCE = 0.1
 """Largest radial clearance, as a part of the radius [-]."""
+USUAL_CLEARANCE = (0.0005, 0.0035)
+"""Usual ratio of the radial clearance, and of what preload leaves of it, to the journal's radius: others are warned of [-]."""
 LARGEST_VISCOSITY = 10.0
 """Largest dynamic viscosity of an oil in a bearing [Pa s]; more was meant in mPa s."""
 LARGEST_PAD_PRELOAD = 0.8
 """Largest preload of tilting pads [-]."""
+JournalLength = Annotated[float, Within(gt=1e-6, lt=100, usual=(0.02, 1))]
+HeightOrShift = Annotated[float, Within(gt=-1e15, lt=1e15, usual=(-1e-3, 1e-3))]
+"""Place of a bearing's centre over its aligned place [m]."""
 Profile = Literal["plain", "two_axial_grooves", "elliptical", "three_lobe", "four_lobe", "tilting_pad"]
 
 
 class Oil(Part):
     """An oil in a film: its viscosity, or its grade with the film's temperature or with that at which the oil comes."""
 
-    viscosity: Positive | None = Field(default=None, description="dynamic viscosity [Pa s], such as 0.02")
+    viscosity: Annotated[float, Within(gt=0, lt=1e15, usual=(0.002, 0.2))] | None = Field(
+        default=None, description="dynamic viscosity [Pa s]; usual is 0.005 to 0.1 Pa s"
+    )
     iso_vg: Literal[10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680] | None = Field(
         default=None, description="ISO VG grade (ISO 3448)"
     )
-    temperature_c: Annotated[float, Within(ge=-20, le=180)] | None = Field(default=None, description="of the film [°C]")
-    inlet_c: Annotated[float, Within(ge=0, le=120)] | None = Field(
+    temperature_c: Annotated[float, Within(ge=-20, le=180, usual=(10, 120))] | None = Field(
+        default=None, description="of the film [°C]"
+    )
+    inlet_c: Annotated[float, Within(ge=0, le=120, usual=(10, 80))] | None = Field(
         default=None, description="at which the oil comes [°C]: the film is warmer by a heat balance, more so at high speed"
     )
-    carried: Annotated[float, Within(gt=0, le=1)] = Field(
+    carried: Annotated[float, Within(gt=0, le=1, usual=(0.5, 1))] = Field(
         default=0.8, description="part of the friction's heat that the oil carries off, where inlet_c is given [-]"
     )
     temperature_from: Identifier | None = Field(
@@ -58,11 +67,11 @@ class Oil(Part):
 class TiltingPads(Part):
     """The pads of a tilting-pad bearing, equal and evenly around the journal; their preload is the film's."""
 
-    number: Annotated[int, Field(ge=3, le=12)] = Field(description="of pads")
-    arc_deg: Annotated[float, Within(ge=15, le=120)] = Field(description="of each pad [°]")
-    pivot: Annotated[float, Within(ge=0.4, le=0.8)] = Field(
+    number: Annotated[int, Field(ge=3, le=12)] = Field(description="of pads; usual is 4 or 5")
+    arc_deg: Annotated[float, Within(ge=15, le=120, usual=(20, 120))] = Field(description="of each pad [°]")
+    pivot: Annotated[float, Within(ge=0.4, le=0.8, usual=(0.5, 0.6))] = Field(
         default=0.5,
-        description="place of the pivot as a part of the arc, from the edge where oil enters; 0.5 is the middle",
+        description="place of the pivot as a part of the arc [-], from the edge where oil enters; 0.5 is the middle",
     )
     load: Literal["on_pad", "between_pads"] = Field(
         description="straight below the journal lies a pivot, or the middle between two; turned_deg turns both"
@@ -80,13 +89,13 @@ class TiltingPads(Part):
 class JournalFilm(Part):
     """The oil film of a journal bearing."""
 
-    diameter: Length = Field(description="of the journal [m]")
-    length: Length = Field(description="axial length of the pads [m]")
-    radial_clearance: Positive = Field(
+    diameter: JournalLength = Field(description="of the journal [m]")
+    length: JournalLength = Field(description="axial length of the pads [m]")
+    radial_clearance: Annotated[float, Within(gt=0, lt=1e15, usual=(1e-5, 2e-3))] = Field(
         description="radius of the pads' curvature less the journal's radius [m]; usual is 0.001 to 0.002 of the radius"
     )
     profile: Profile = Field(default="plain", description="round, with grooves or lobes, or with tilting pads")
-    preload: Annotated[float, Within(ge=0, lt=1)] = Field(
+    preload: Annotated[float, Within(ge=0, lt=1, usual=(0.1, 0.8))] = Field(
         default=0.0, description="of each lobe or tilting pad [-]; 0 for round profiles, usually 0.3 to 0.6 for lobed ones"
     )
     pads: TiltingPads | None = Field(default=None, description="of profile tilting_pad, which needs them")
@@ -97,18 +106,19 @@ class JournalFilm(Part):
         "elliptical lie horizontally, a lobe of three_lobe below the journal, and a groove of four_lobe",
     )
     oil: Oil
-    elevation_x: Real = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
-    elevation_y: Real = Field(default=0.0, description="centre over its aligned place, vertical [m]")
+    elevation_x: HeightOrShift = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
+    elevation_y: HeightOrShift = Field(default=0.0, description="centre over its aligned place, vertical [m]")
     valid_above_rpm: NotNegative = Field(
-        default=0.0, description="below, the journal is lifted by other means, such as jacking oil"
+        default=0.0, description="below, the journal is lifted by other means [r/min], such as jacking oil"
     )
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
         if self.radial_clearance > LARGEST_CLEARANCE * self.diameter / 2:
+            usual = (USUAL_CLEARANCE[0] * self.diameter / 2, USUAL_CLEARANCE[1] * self.diameter / 2)
             raise ValueError(
                 f"radial_clearance {self.radial_clearance} m is more than a tenth of the radius {self.diameter / 2} m; "
-                "usual is 0.001 to 0.002 of it"
+                f"usual is 0.001 to 0.002 of it{question(self.radial_clearance, 'm', usual)}"
             )
         if self.preload > 0.0 and self.profile in ("plain", "two_axial_grooves"):
             raise ValueError(f"preload {self.preload} goes with a lobed profile or tilting pads, not with {self.profile}")
@@ -130,9 +140,9 @@ class JournalFilm(Part):
 class Elevation(Part):
     """The place of a bearing that is no film itself, in a train of which others are."""
 
-    x: Real = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
-    y: Real = Field(default=0.0, description="centre over its aligned place, vertical [m]")
-    spread: Annotated[float, Within(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
+    x: HeightOrShift = Field(default=0.0, description="centre over its aligned place, horizontal [m]")
+    y: HeightOrShift = Field(default=0.0, description="centre over its aligned place, vertical [m]")
+    spread: ElevationSpread = Field(
         default=1.5e-4, description="how far the centre may be from there, rms, in each direction [m]"
     )
 

@@ -11,7 +11,19 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from estimator.bearings.registry import DeclaredForm
-from estimator.field_types import Angle, Direct, Identifier, Length, NotNegative, Part, Positive, Real, Spread, Within
+from estimator.field_types import (
+    Angle,
+    Direct,
+    Identifier,
+    NotNegative,
+    Part,
+    Positive,
+    Real,
+    SmallLength,
+    Spread,
+    Stiffness,
+    Within,
+)
 from estimator.machine.films import Elevation, JournalFilm
 
 STATION_TOLERANCE = 1e-9
@@ -21,9 +33,13 @@ STATION_TOLERANCE = 1e-9
 class Material(Part):
     """An isotropic shaft material."""
 
-    young_modulus: Positive = Field(description="E [N/m²]")
-    density: Positive = Field(description="ρ [kg/m³]")
-    poisson_ratio: Annotated[float, Within(gt=-1, lt=0.5)] = Field(default=0.3, description="ν [-]")
+    young_modulus: Annotated[float, Within(gt=0, lt=1e15, usual=(1e9, 1e12))] = Field(
+        description="E [N/m²]; usual is 2.1e+11 N/m², of steel"
+    )
+    density: Annotated[float, Within(gt=0, lt=1e15, usual=(1000, 20000))] = Field(
+        description="ρ [kg/m³]; usual is 7850 kg/m³, of steel"
+    )
+    poisson_ratio: Annotated[float, Within(gt=-1, lt=0.5, usual=(0.2, 0.4))] = Field(default=0.3, description="ν [-]")
     young_modulus_spread: Spread = Field(default=0.0, description="how far E may be off, relative rms [-]; 0: known exactly")
     density_spread: Spread = Field(default=0.0, description="how far ρ may be off, relative rms [-]; 0: known exactly")
     internal_damping: Annotated[float, Within(ge=0, lt=1)] = Field(
@@ -34,8 +50,8 @@ class Material(Part):
 class Section(Part):
     """A piece of shaft of constant cross-section."""
 
-    length: Length = Field(description="[m]")
-    outer_diameter: Length = Field(description="[m]")
+    length: Annotated[float, Within(gt=1e-6, lt=100, usual=(0.005, 5))] = Field(description="[m]")
+    outer_diameter: Annotated[float, Within(gt=1e-6, lt=100, usual=(0.01, 2))] = Field(description="[m]")
     inner_diameter: NotNegative = Field(default=0.0, description="[m]; 0 for a solid shaft")
     material: Identifier
 
@@ -51,7 +67,7 @@ class Shaft(Part):
 
     id: Identifier
     sections: Annotated[tuple[Section, ...], Field(min_length=1, max_length=200)]
-    bow_spread: NotNegative = Field(
+    bow_spread: SmallLength = Field(
         default=0.0, description="how large a residual bow may be at mid-length, rms [m]; 0: straight, no bow is identified"
     )
 
@@ -83,10 +99,10 @@ class Disc(Part):
 class LateralCoefficients(Part):
     """Nominal stiffness and damping over (x, y); leave out what is not known."""
 
-    kxx: Direct | None = Field(default=None, description="[N/m]")
+    kxx: Stiffness | None = Field(default=None, description="[N/m]; usual is 1e+5 to 1e+10 N/m")
     kxy: Real | None = Field(default=None, description="force along x per displacement along y [N/m]")
     kyx: Real | None = Field(default=None, description="force along y per displacement along x [N/m]")
-    kyy: Direct | None = Field(default=None, description="[N/m]")
+    kyy: Stiffness | None = Field(default=None, description="[N/m]; usual is 1e+5 to 1e+10 N/m")
     cxx: Direct | None = Field(default=None, description="[N s/m]")
     cxy: Real | None = Field(default=None, description="[N s/m]")
     cyx: Real | None = Field(default=None, description="[N s/m]")
@@ -113,8 +129,8 @@ class Pedestal(Part):
 
     id: Identifier
     bearing: Identifier = Field(description="bearing that stands on it")
-    kxx: Direct = Field(description="[N/m]")
-    kyy: Direct = Field(description="[N/m]")
+    kxx: Stiffness = Field(description="[N/m]; usual is 1e+6 to 1e+10 N/m")
+    kyy: Stiffness = Field(description="[N/m]; usual is 1e+6 to 1e+10 N/m")
     cxx: Direct = Field(description="[N s/m]")
     cyy: Direct = Field(description="[N s/m]")
     mxx: Direct = Field(description="mass that moves along x [kg]")
@@ -157,7 +173,9 @@ class EquivalentLoad(Part):
 class RotatingError(Part):
     """Run-out of a coupling's bore and face, which turns with the shafts: offset and angle that the coupling makes up for."""
 
-    offset_spread: Positive = Field(default=2e-5, description="how large an offset may be, rms [m]")
+    offset_spread: Annotated[float, Within(gt=0, lt=1e15, usual=(1e-6, 1e-3))] = Field(
+        default=2e-5, description="how large an offset may be, rms [m]"
+    )
     angle_spread: Positive = Field(default=2e-4, description="how large an angle may be, rms [rad]")
 
 
@@ -204,10 +222,10 @@ class Probe(Part):
         description="which way the shaft moves while the gap that a source sends grows: away from the probe, as a distance "
         "does, or towards it, as the negative volts of most proximity probes do; needed only where a source sends gaps",
     )
-    gain_spread: Annotated[float, Within(ge=0, lt=10)] = Field(
+    gain_spread: Annotated[float, Within(ge=0, lt=10, usual=(0.005, 0.5))] = Field(
         default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact"
     )
-    run_out_spread: NotNegative = Field(
+    run_out_spread: SmallLength = Field(
         default=0.0, description="how large a run-out that was not subtracted may be, rms [m]; 0: none is identified"
     )
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from estimator.field_types import Identifier, NotNegative, Part, Positive, Text, Within
+from estimator.field_types import Identifier, NotNegative, Part, Positive, SmallLength, Text, VibrationLimit, Within
 from estimator.machine.alignment_rules import AlignmentTarget, AlignmentTolerance, HealthyVariation
 
 
@@ -23,8 +23,8 @@ class Condition(Part):
 class SpeedRange(Part):
     """Speeds at which samples are taken seriously [r/min]."""
 
-    minimum_rpm: Positive = Field(description="below this a run-down is over")
-    maximum_rpm: Positive = Field(description="trip speed or what the machine can never exceed")
+    minimum_rpm: Positive = Field(description="below this a run-down is over [r/min]")
+    maximum_rpm: Positive = Field(description="trip speed or what the machine can never exceed [r/min]")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -44,9 +44,9 @@ class SeverityZones(Part):
     source: Annotated[Text, Field(min_length=1, max_length=200)] = Field(
         description="where the boundaries come from: a standard with its part and edition, the maker's manual, a contract"
     )
-    a_b: Positive = Field(description="between zones A and B, 0-to-peak [m]: half of a peak-to-peak value")
-    b_c: Positive = Field(description="between zones B and C, 0-to-peak [m]")
-    c_d: Positive = Field(description="between zones C and D, 0-to-peak [m]")
+    a_b: VibrationLimit = Field(description="between zones A and B, 0-to-peak [m]: half of a peak-to-peak value")
+    b_c: VibrationLimit = Field(description="between zones B and C, 0-to-peak [m]")
+    c_d: VibrationLimit = Field(description="between zones C and D, 0-to-peak [m]")
 
     @model_validator(mode="after")
     def _ascending(self) -> Self:
@@ -83,13 +83,13 @@ class Operation(Part):
     running_rpm: Positive | None = Field(
         default=None, description="speed at which it works, for loads at running speed [r/min]; by default a run's highest"
     )
-    vibration_limit: Positive | None = Field(
+    vibration_limit: VibrationLimit | None = Field(
         default=None, description="largest 1× vibration that a balanced machine may have at any probe, 0-to-peak [m]"
     )
-    vibration_alert: Positive | None = Field(
+    vibration_alert: VibrationLimit | None = Field(
         default=None, description="1× vibration at any probe from which a person should look, 0-to-peak [m]"
     )
-    vibration_danger: Positive | None = Field(
+    vibration_danger: VibrationLimit | None = Field(
         default=None, description="1× vibration at any probe from which the machine is in danger, 0-to-peak [m]"
     )
     severity_zones: SeverityZones | None = Field(
@@ -136,7 +136,9 @@ class RollingCollection(Part):
     recency_s: Annotated[float, Within(ge=60, le=31_622_400)] = Field(
         default=604_800.0, description="samples older than this are left out [s]"
     )
-    coverage: Annotated[float, Within(gt=0, le=1)] = Field(default=0.6, description="part of the bins that must hold samples")
+    coverage: Annotated[float, Within(gt=0, le=1, usual=(0.3, 0.9))] = Field(
+        default=0.6, description="part of the bins that must hold samples [-]"
+    )
     interval_s: Annotated[float, Within(ge=10, le=31_622_400)] = Field(
         default=86_400.0, description="at most one run in this time [s]"
     )
@@ -179,8 +181,10 @@ class QualityRules(Part):
 class Noise(Part):
     """Expected measurement error of a phasor: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
 
-    relative: Annotated[float, Within(gt=0, lt=1)] = Field(default=0.01, description="part of the amplitude [-]")
-    floor: NotNegative = Field(default=1e-7, description="0-to-peak [m]")
+    relative: Annotated[float, Within(gt=0, lt=1, usual=(0.002, 0.1))] = Field(
+        default=0.01, description="part of the amplitude [-]"
+    )
+    floor: SmallLength = Field(default=1e-7, description="0-to-peak [m]")
     estimated: bool = Field(
         default=False, description="find both parts from the fit's own residuals; the values above are where that starts"
     )
@@ -189,10 +193,10 @@ class Noise(Part):
 class Centreline(Part):
     """Expectations of the gaps that samples may carry: the shaft's mean place over the run, from a zero of each probe."""
 
-    noise: Positive = Field(
+    noise: Annotated[float, Within(gt=0, lt=1e15, usual=(1e-9, 5e-5))] = Field(
         default=1e-6, description="rms error of a gap [m]; where neighbouring samples scatter more, that counts"
     )
-    drift: NotNegative = Field(
+    drift: SmallLength = Field(
         default=5e-6,
         description="rms drift of a probe's zero over a run [m]: a holder of 100 mm that cools by 4 K shrinks by 5 µm",
     )
@@ -223,4 +227,4 @@ class ImpactTest(Part):
     """Natural frequencies of the train at standstill, measured with a hammer."""
 
     frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)] = Field(description="[Hz]")
-    relative_error: Annotated[float, Within(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")
+    relative_error: Annotated[float, Within(gt=0, lt=1, usual=(0.002, 0.1))] = Field(default=0.01, description="rms [-]")

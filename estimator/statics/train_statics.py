@@ -22,9 +22,7 @@ from estimator.rotor.assembly import Rotor, assemble_rotor, plane_columns
 from estimator.rotor.parameters import unknowns
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
 from estimator.rotor.system_matrices import system_matrices
-
-GRAVITY = 9.81
-"""Acceleration of free fall [m/s²]."""
+from estimator.units import GRAVITY
 
 
 class MissingFilm(Invalid):

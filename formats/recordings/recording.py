@@ -18,6 +18,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.field_types import Identifier, Positive
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine, field_path
+from estimator.strict_model import own_words
 from estimator.units import RADIANS
 from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
@@ -329,7 +330,7 @@ def _fault_text(location: tuple[int | str, ...], message: str) -> str:
     if message == "Field required" and location[0] in EXAMPLES and len(location) == 1:
         return f"{location[0]}: it is missing; one is `{location[0]}: {EXAMPLES[str(location[0])]}`"
     fields = tuple(one for one in location if not str(one).startswith(("dict[", "literal[", "constrained-", "function-")))
-    message = message.removeprefix("Value error, ")
+    message = own_words(message)
     return f"{field_path(fields)}: {message}" if fields else message
 
 

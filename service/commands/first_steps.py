@@ -50,6 +50,7 @@ def check(
     some seconds. Ends with status 1 where something is wrong; a warning is none.
     """
     from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
+    from estimator.machine.film_speeds import slowest_rpm
     from estimator.statics.whirl_in_range import instability_words
     from rotorundown.machine_files import WrongMachine, read_machine
 
@@ -58,8 +59,9 @@ def check(
     except WrongMachine as error:
         fail(str(error))
     warnings = document_warnings(described)
+    never_carried = slowest_rpm(described) >= described.speed_range.maximum_rpm  # which is warned of with its field
     with working("looking whether the films carry and the train would whirl"):
-        unfit = instability_words(described)
+        unfit = "" if never_carried else instability_words(described)
     warnings += (DocumentWarning("bearings", unfit),) if unfit else ()
     for warning in warnings:
         print_line(f"warning: {warning}", err=True)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, ValidationError, model_validator
 from pydantic_settings import SettingsConfigDict, SettingsError
 
+from estimator.strict_model import own_words
 from service.configuration.hosts import encrypted
 from service.configuration.log_format import LogFormat
 from service.configuration.mqtt_settings import MqttSettings
@@ -264,7 +265,7 @@ def settings_of(**given: Any) -> Settings:
 
 def _problem(location: Sequence[int | str], kind: str, message: str, *, filed: Set[str]) -> str:
     """Return what is wrong with a setting, and where it was said. filed: the settings that the file decides."""
-    words = message.removeprefix("Value error, ")
+    words = own_words(message)
     if not location:
         return words
     words = WORDS.get(kind, words)

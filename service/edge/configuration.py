@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from estimator.field_types import Identifier, Positive, Real
-from estimator.machine.document import field_path
+from estimator.machine.document import problems_of
 from estimator.machine.rules import SpeedRange
 from estimator.signal.keyphasor import Edge
 from estimator.strict_model import StrictModel
@@ -188,7 +188,7 @@ def read_configuration(path: Path) -> EdgeConfiguration:
     try:
         read = EdgeConfiguration.model_validate(fields)
     except ValidationError as error:
-        problems = "\n".join(f"  {field_path(item['loc'])}: {item['msg']}" for item in error.errors())
+        problems = "\n".join(f"  {field}: {words}" for field, words in problems_of(error.errors(), EdgeConfiguration))
         raise UnreadableFile(f"{path} is not an edge agent's configuration:\n{problems}") from error
     # The log identifies files by their path, which must not depend on where the agent is started.
     folder = path.resolve().parent

@@ -3,8 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from estimator.close_matches import did_you_mean
 from estimator.errors import Missing
 from service.security.principal import Principal
+from service.security.role import Role
 from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
 from storage.tables.machines import MachineRow
@@ -17,11 +22,20 @@ LARGEST = 2**62
 MAXIMUM_ENTRIES = 10_000
 
 
+def machines_like(session: Session, who: Principal, name: str) -> str:
+    """Return a clause that names the machines like one that is not there, of those that a session sees; empty without any.
+
+    A principal who may not list machines, as a source, is named none.
+    """
+    return "" if who.role is None or who.role < Role.VIEWER else did_you_mean(name, session.scalars(select(MachineRow.id)))
+
+
 class NotThere(Missing):
     """An object is absent or not visible; the answer is the same."""
 
-    def __init__(self, subject: str, key: str) -> None:
-        super().__init__(key)
+    def __init__(self, subject: str, key: str, close: str = "") -> None:
+        """Set up. close: a clause that names what is like it."""
+        super().__init__(f"{key}{close}")
         self.subject = subject
 
 
@@ -49,7 +63,7 @@ class Visibility:
                 if key is None:
                     continue  # the endpoint rejects it
                 if session.get(row, key) is None:
-                    raise NotThere(what, value[:64])
+                    raise NotThere(what, value[:64], machines_like(session, who, value[:64]) if row is MachineRow else "")
                 if len(self._seen) >= MAXIMUM_ENTRIES:
                     self._seen.clear()
                 self._seen.add((who.plants, name, value))

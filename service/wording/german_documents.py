@@ -5,6 +5,7 @@ from collections.abc import Mapping
 DOCUMENTS: Mapping[str, str] = {
     "{speed} r/min: few machines are that slow": "{speed} 1/min: so langsam sind wenige Maschinen",
     "was {value} Hz meant, {speed} r/min?": "waren {value} Hz gemeint, {speed} 1/min?",
+    "was {value} rad/s meant, {speed} r/min?": "waren {value} rad/s gemeint, {speed} 1/min?",
     "{running} r/min lies below the speed range, {low} to {high} r/min": (
         "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min"
     ),
@@ -12,6 +13,9 @@ DOCUMENTS: Mapping[str, str] = {
     "was {value} g/cm³ meant?": "waren {value} g/cm³ gemeint?",
     "{mass} kg is {times} times the mass of shaft '{shaft}', {own} kg: usual is 0.1 to 5 times": (
         "{mass} kg ist das {times}-Fache der Masse von Welle '{shaft}', {own} kg: üblich ist das 0,1- bis 5-Fache"
+    ),
+    "{force} N is {times} times the weight of all rotors, {weight} N: usual is up to 10 times": (
+        "{force} N ist das {times}-Fache des Gewichts aller Rotoren, {weight} N: üblich ist bis zum 10-Fachen"
     ),
     "was {value} g meant, {mass} kg?": "waren {value} g gemeint, {mass} kg?",
     "{elevation} µm is more than the radial clearance, {clearance} µm: usual are some 10 µm": (
@@ -58,5 +62,10 @@ DOCUMENTS: Mapping[str, str] = {
         "{load} N: die Tabelle reicht für Lasten von {least} bis {most} N und gilt an ihrem Ende unverändert"
     ),
     "{value} N/m: bearings usually have 1e5 to 1e9 N/m": "{value} N/m: Lager haben meist 1e5 bis 1e9 N/m",
+    "neither in the table nor beside it: {terms}": "weder in der Tabelle noch daneben: {terms}",
+    "each is a constant that a fit must find": "jedes ist eine Konstante, die eine Anpassung finden muss",
+    "until then a direct term is taken to be as large as its like, a cross-coupled term to be 0": (
+        "bis dahin gilt ein direkter Term als so groß wie seinesgleichen, ein Kreuzterm als 0"
+    ),
     "was N/µm meant?": "war N/µm gemeint?",
 }

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 from estimator.machine.alignment_rules import OFFSETS
 from estimator.machine.document import Machine
-from estimator.machine.films import JournalFilm, Oil
-from estimator.machine.part_coefficients import ELEMENTS
+from estimator.machine.films import USUAL_CLEARANCE, JournalFilm, Oil
+from estimator.machine.part_coefficients import ELEMENTS, coefficient_names, nominal_value
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
+from estimator.units import GRAVITY
 
 LEAST_DENSITY = 500.0
 """Density of a shaft below which a warning asks whether g/cm³ was meant [kg/m³]."""
-USUAL_CLEARANCE = (0.0005, 0.0035)
-"""Usual ratio of the radial clearance, and of what preload leaves of it, to the journal's radius: others are warned of [-]."""
 HOTTEST_FILM, HOTTEST_INLET = 120.0, 80.0
 """Temperature of a film, and of the oil that comes, above which a warning asks whether °F was meant [°C]."""
 LOBED = ("elliptical", "three_lobe", "four_lobe")
@@ -31,6 +30,9 @@ USUAL_TOLERANCES = {"offset": (5e-6, 1e-3, "m", "3e-05 to 0.0002"), "angle": (2e
 
 HEAVIEST_DISC = 50.0
 """Mass of a disc over that of its shaft above which a warning asks whether its unit is right [-]: examples have 0.5 to 3."""
+
+STRONGEST_FORCE = 50.0
+"""Static force over the weight of all rotors above which a warning asks whether its unit is right [-]: gears reach some 10."""
 
 SLOWEST_RANGE = 120.0
 """End of a speed range below which a warning asks whether its speeds are in Hz: hardly any train is so slow [r/min]."""
@@ -74,7 +76,9 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         *_slow_speeds(machine),
         *_light_materials(machine),
         *_heavy_discs(machine),
+        *_strong_forces(machine),
         *of_laws,
+        *_incomplete_tables(machine),
         *_odd_films(machine),
         *_far_elevations(machine),
         *_far_targets(machine),
@@ -165,6 +169,20 @@ def _heavy_discs(machine: Machine) -> Iterator[DocumentWarning]:
             yield DocumentWarning(f"discs[{number}].mass", f"{words}: usual is 0.1 to 5 times; {meant}")
 
 
+def _strong_forces(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield static forces that are so far beyond the weight of all rotors that no bearing of theirs would carry them."""
+    shafts = [_mass(machine, shaft) for shaft in machine.shafts]
+    if any(mass is None for mass in shafts):
+        return
+    halves = [half.mass for one in machine.couplings for half in (one.driver_half, one.driven_half) if half is not None]
+    weight = GRAVITY * math.fsum([*filter(None, shafts), *(disc.mass for disc in machine.discs), *halves])
+    for number, load in enumerate(machine.static_loads):
+        for name, force in (("force_x", load.force_x), ("force_y", load.force_y)):
+            if abs(force) > STRONGEST_FORCE * weight:
+                words = f"{force:g} N is {abs(force) / weight:.0f} times the weight of all rotors, {weight:.3g} N"
+                yield DocumentWarning(f"static_loads[{number}].{name}", f"{words}: usual is up to 10 times")
+
+
 def _mass(machine: Machine, shaft: Shaft) -> float | None:
     """Return the mass of a shaft [kg]; None where a density is so low that it is warned of itself."""
     materials = [machine.materials[one.material] for one in shaft.sections]
@@ -173,6 +191,21 @@ def _mass(machine: Machine, shaft: Shaft) -> float | None:
     areas = [math.pi / 4 * (one.outer_diameter**2 - one.inner_diameter**2) for one in shaft.sections]
     parts = zip(shaft.sections, materials, areas, strict=True)
     return sum(material.density * area * section.length for section, material, area in parts)
+
+
+def _incomplete_tables(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield parts of which a table gives some coefficients, and nothing the others."""
+    rpm = machine.speed_range.middle_rpm
+    for place in ELEMENTS:
+        for number, part in enumerate(getattr(machine, place)):
+            names, form = coefficient_names(part), part.speed_dependence
+            if form is None or all(form.nominal(name, rpm) is None for name in names):
+                continue
+            missing = [name for name in names if nominal_value(part, name, rpm=rpm) is None]
+            if missing:
+                words = f"neither in the table nor beside it: {', '.join(missing)}; each is a constant that a fit must find"
+                guess = "until then a direct term is taken to be as large as its like, a cross-coupled term to be 0"
+                yield DocumentWarning(f"{place}[{number}].speed_dependence", f"{words}; {guess}")
 
 
 def _odd_films(machine: Machine) -> Iterator[DocumentWarning]:

@@ -1,26 +1,30 @@
 """Values of a machine document that only a slip of the unit explains; looked for where documents enter, not in stored ones."""
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
-from estimator.machine.document import Machine
-from estimator.machine.films import JournalFilm
+from pydantic import BaseModel
+
+from estimator.bearings.table_columns import SMALLEST_STIFFNESS
+from estimator.machine.document import Machine, field_path
+from estimator.machine.films import Elevation, JournalFilm
+from estimator.machine.parts import Bearing, Material, Pedestal, Section
+from estimator.usual_values import declarations
 
 SMALLEST_YOUNG_MODULUS = 1e8
 """Smallest Young's modulus of a shaft [N/m²]: that of a hard rubber."""
-LARGEST_IN_GIGAPASCALS = 1e4
-"""Largest number that is a Young's modulus in GPa and not in MPa: a diamond has 1,200 GPa."""
 LARGEST_DIAMETER = 5.0
 """Largest diameter of a shaft [m]."""
-SMALLEST_STIFFNESS = 1e3
-"""Smallest direct stiffness of a bearing or pedestal [N/m]: one that sinks by a millimetre under 0.1 kg."""
 LARGEST_VISCOSITY = 2.0
 """Largest viscosity of an oil film [Pa s]: three times that of the thickest grade at 40 °C."""
-LARGEST_ELEVATION, LARGEST_IN_MILLIMETRES = 0.01, 1.0
-"""Largest elevation of a bearing over its aligned place, and largest number that is one in mm and not in µm [m]."""
+LARGEST_ELEVATION = 0.01
+"""Largest elevation of a bearing over its aligned place [m]."""
 SMALLEST_TOLERANCE = 1e-6
 """Smallest tolerance of a coupling's offset [m], and of its angle [rad]: what is left of none would be passed by every run."""
 SLENDERNESS = (0.05, 20.0)
 """Least and largest length over diameter of a journal bearing [-]."""
+TIMES_USUAL = 10.0
+"""Times that a length may be the largest usual one, if it is one in another unit [-]."""
 
 
 def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
@@ -32,23 +36,25 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
     Yields:
         The field, and the value with its unit and what is usual.
     """
+    said = dict(_by_field(machine))
+    yield from said.items()
+    yield from ((field, words) for field, words in _long(machine, ()) if field not in said)
+
+
+def _by_field(machine: Machine) -> Iterator[tuple[str, str]]:
+    """Yield fields that have bounds of their own."""
+    modulus, diameter = declarations(Material)["young_modulus"], declarations(Section)["outer_diameter"]
     for name, material in machine.materials.items():
-        if material.young_modulus < SMALLEST_YOUNG_MODULUS:
-            value = material.young_modulus
-            meant = "GPa" if value < LARGEST_IN_GIGAPASCALS else "MPa"
-            yield f"materials.{name}.young_modulus", f"{value:g} N/m²: steel has 2.1e+11 N/m²; was {value:g} {meant} meant?"
+        value = material.young_modulus
+        if value < SMALLEST_YOUNG_MODULUS:
+            yield f"materials.{name}.young_modulus", f"{value:g} N/m²: steel has 2.1e+11 N/m²{modulus.question(value)}"
     for i, shaft in enumerate(machine.shafts):
         for j, section in enumerate(shaft.sections):
             if section.outer_diameter > LARGEST_DIAMETER:
-                message = f"{section.outer_diameter:g} m: usual is 0.01 to 2 m; was {section.outer_diameter:g} mm meant?"
-                yield f"shafts[{i}].sections[{j}].outer_diameter", message
+                yield f"shafts[{i}].sections[{j}].outer_diameter", diameter.words(section.outer_diameter)
     for place in ("bearings", "pedestals"):
         for i, part in enumerate(getattr(machine, place)):
-            for term in ("kxx", "kyy"):
-                value = getattr(part, term)
-                if value is not None and value < SMALLEST_STIFFNESS:
-                    message = f"{value:g} N/m: usual is 1e+6 to 1e+10 N/m; was {value:g} N/µm meant?"
-                    yield f"{place}[{i}].{term}", message
+            yield from ((f"{place}[{i}].{field}", words) for field, words in _soft(part))
     for i, bearing in enumerate(machine.bearings):
         if bearing.film is not None:
             yield from ((f"bearings[{i}].film.{field}", message) for field, message in _of_film(bearing.film))
@@ -63,10 +69,21 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
                 yield f"operation.alignment_tolerances[{i}].{name}", message
 
 
+def _soft(part: Bearing | Pedestal) -> Iterator[tuple[str, str]]:
+    """Yield the direct stiffnesses of a bearing or pedestal, also those of its table, that are none in N/m."""
+    for term in ("kxx", "kyy"):
+        value = getattr(part, term)
+        if value is not None and value < SMALLEST_STIFFNESS:
+            yield term, declarations(type(part))[term].words(value)
+    form = part.speed_dependence
+    if form is not None:
+        yield from ((f"speed_dependence.{field}", words) for field, words in form.implausible())
+
+
 def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
     for name, value in (("diameter", film.diameter), ("length", film.length)):
         if value > LARGEST_DIAMETER:
-            yield name, f"{value:g} m: usual is 0.02 to 1 m; was {value:g} mm meant?"
+            yield name, declarations(JournalFilm)[name].words(value)
             return
     yield from _of_elevations({"elevation_x": film.elevation_x, "elevation_y": film.elevation_y})
     least, largest = SLENDERNESS
@@ -75,11 +92,29 @@ def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
         yield "length", f"{slender}: usual is 0.3 to 1.2 times, possible {least:g} to {largest:g}"
     viscosity = film.oil.viscosity
     if viscosity is not None and viscosity > LARGEST_VISCOSITY:
-        yield "oil.viscosity", f"{viscosity:g} Pa s: usual is 0.005 to 0.1 Pa s; was {viscosity:g} mPa s (cP) meant?"
+        yield "oil.viscosity", declarations(type(film.oil))["viscosity"].words(viscosity)
 
 
 def _of_elevations(named: Mapping[str, float]) -> Iterator[tuple[str, str]]:
     for name, value in named.items():
         if abs(value) > LARGEST_ELEVATION:
-            meant = "mm" if abs(value) <= LARGEST_IN_MILLIMETRES else "µm"
-            yield name, f"{value:g} m over the aligned place: usual is up to 0.0005 m; was {value:g} {meant} meant?"
+            meant = declarations(Elevation)["x"].question(value)
+            yield name, f"{value:g} m over the aligned place: usual is up to 0.0005 m{meant}"
+
+
+def _long(part: Any, place: tuple[int | str, ...]) -> Iterator[tuple[str, str]]:
+    """Yield lengths anywhere in a part that are far beyond what is usual of their field, and usual in mm or µm."""
+    if isinstance(part, BaseModel):
+        told = declarations(type(part))
+        for name, value in part:
+            own = told[name]
+            if not isinstance(value, float):
+                yield from _long(value, (*place, name))
+            elif own.unit == "m" and own.usual is not None and value > TIMES_USUAL * own.usual[1] and own.question(value):
+                yield field_path((*place, name)), own.words(value)
+    elif isinstance(part, Mapping):
+        for name, value in part.items():
+            yield from _long(value, (*place, name))
+    elif isinstance(part, tuple):
+        for number, value in enumerate(part):
+            yield from _long(value, (*place, number))

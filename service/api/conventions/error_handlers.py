@@ -1,5 +1,6 @@
 """Answers every error with a problem detail (RFC 9457)."""
 
+import asyncio
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from http import HTTPStatus
@@ -14,12 +15,15 @@ from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.errors import Damaged, DomainError, Missing
 from estimator.machine.document import problems_of
+from estimator.strict_model import own_words
+from service.api.conventions.dependencies import database, principal
 from service.api.conventions.many_problems import MOST_PROBLEMS
 from service.api.conventions.patterns import WORDS
 from service.http.database_errors import categorized
 from service.http.error_status import status_of
 from service.http.problem import FieldProblem, problem_response
 from service.http.security_headers import ALWAYS
+from service.security.scope import machines_like
 
 UNREADABLE = "There was an error parsing the body"
 """Detail that the framework gives for a body that is not JSON."""
@@ -53,9 +57,24 @@ def require_every_hint(listed: Mapping[str, str]) -> None:
 
 
 async def _domain_error(request: Request, error: DomainError) -> JSONResponse:
-    detail = error.detail + (request.app.state.listed.get(error.subject, "") if isinstance(error, Missing) else "")
+    detail = error.detail + (await _where_to_look(request, error) if isinstance(error, Missing) else "")
     headers = {} if error.retry_after_s is None else {"Retry-After": str(error.retry_after_s)}
     return problem_response(status_of(error), detail, headers, _field_problems(error.field_errors))
+
+
+async def _where_to_look(request: Request, error: Missing) -> str:
+    """Return machines like the one in the path, as far as the client may list them, else where existing objects are listed."""
+    name = request.path_params.get("machine_id")
+    if error.subject == "machine" and error.args == (name,):
+        close = await asyncio.to_thread(_machines_like, request, str(name))
+        if close:
+            return close
+    return str(request.app.state.listed.get(error.subject, ""))
+
+
+def _machines_like(request: Request, name: str) -> str:
+    with database(request).reading() as session:
+        return machines_like(session, principal(request), name)
 
 
 def _field_problems(errors: Iterable[tuple[str, str]]) -> list[FieldProblem]:
@@ -121,7 +140,7 @@ def _worded(errors: Sequence[Any]) -> list[dict[str, Any]]:
     """Return errors with plain field names and without pydantic's own wording."""
     found = []
     for item in errors:
-        place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")
+        place, message = tuple(item["loc"]), own_words(item["msg"])
         if item["type"] == "json_invalid":
             place, message = place[:1], f"no JSON from character {place[-1]} on: {item['ctx']['error']}"
         if item["type"] == "string_pattern_mismatch":

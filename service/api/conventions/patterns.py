@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 
+from estimator.field_types import PATTERNS
 from service.secrets.references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
 
 WORDS: Mapping[str, str] = {
-    r"^[A-Za-z0-9_-]{1,64}$": "an id has 1 to 64 letters, digits, '_' and '-'",
+    **PATTERNS,
     r"^[^\x00-\x1f]*$": "a name is one line without control characters",
-    r"^[^\x00]*$": "a text has no NUL in it",
     r"^[^\x00]*[^\x00\s][^\x00]*$": "it must say something: more than blanks, and without NUL",
     r"^[!-~]+$": "a header's value has visible ASCII characters only",
     r"^([0-9a-f]{64})?$": "it is a SHA-256 sum of 64 digits from 0 to 9 and a to f, or blank",

@@ -168,12 +168,13 @@ def journal_states(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -
 
 
 def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[str]:
+    valid_from = {one.id: 0.0 if one.film is None else one.film.valid_above_rpm for one in machine.bearings}
     for one in journal_states(machine, train, found):
         pressure, thinnest = _scaled(one.specific_pressure, 1.0 / MEGAPASCAL), _scaled(one.thinnest_film, 1e6)
         yield (
             f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {_column(pressure, 7, 3)} "
             f"{_column(one.eccentricity, 6, 3)} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
-            f"{_column(thinnest, 7, 1)} {_column(one.sommerfeld, 8, 3)}{_remark(one)}"
+            f"{_column(thinnest, 7, 1)} {_column(one.sommerfeld, 8, 3)}{_remark(one, valid_from[one.bearing])}"
         )
 
 
@@ -186,12 +187,12 @@ def _column(value: float | None, width: int, decimals: int) -> str:
     return f"{'-':>{width}}" if value is None else f"{value:{width}.{decimals}f}"
 
 
-def _remark(one: JournalState) -> str:
-    """Return what is unusual about a journal's state, behind its numbers."""
+def _remark(one: JournalState, valid_from_rpm: float) -> str:
+    """Return what is unusual about a journal's state, behind its numbers; the speed from which its film holds [r/min]."""
     if one.eccentricity is None:
         return "  coefficients of its own; position from where it stands aligned"
     if one.lifted:
-        return "  lifted by other means here"
+        return f"  not valid below {valid_from_rpm:g} r/min: lifted by other means here"
     return "  pressed upwards" if one.load_y < 0.0 and abs(one.load_y) > abs(one.load_x) else ""
 
 
@@ -212,6 +213,9 @@ def _stability(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterat
         yield f"Stability is not judged: without an equilibrium at {service_rpm:g} r/min there are no coefficients"
         return
     mode, onset = _whirl(machine, train, service_rpm)
+    invalid = [one.id for one in machine.bearings if one.film is not None and service_rpm < one.film.valid_above_rpm]
+    if invalid:
+        yield f"Stability as if the films of {', '.join(invalid)} carried, which are not valid at {service_rpm:g} r/min:"
     if mode is None:
         yield f"Stability at {service_rpm:g} r/min: no mode to judge"
     else:

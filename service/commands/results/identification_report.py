@@ -174,7 +174,7 @@ def slow_roll_text(machine: Machine, found: Capture) -> str:
 
 def _value(estimate: Estimate) -> str:
     if estimate.value is None or estimate.standard_error is None:
-        return f"not estimable: {estimate.reason}"
+        return f"not estimable: {estimate.reason}" if estimate.sought else str(estimate.reason)
     if estimate.imaginary is not None and estimate.imaginary_standard_error is not None:
         if estimate.quantity == "unbalance":
             return _unbalance(complex(estimate.value, estimate.imaginary), estimate)

@@ -16,7 +16,7 @@ from estimator.bearings.model import ModelParameter
 from estimator.bearings.table import Table
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
-from estimator.machine.checks.document_size import document_size
+from estimator.machine.checks.document_size import accepted_machine, document_size
 from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.parameter_description import describe
@@ -392,11 +392,39 @@ def test_a_speed_range_beyond_the_table_is_warned_of() -> None:
     (unit,) = document_warnings(machine_of(small(speed_rpm=[90, 500, 1000, 2000, 6000], kxx=[90.0, 91, 92, 93, 94])))
     assert unit.field == "bearings[1].speed_dependence.kxx"
     assert "was N/µm meant?" in unit.words
+    with pytest.raises(
+        DocumentError, match=r"dependence.kxx: 90 N/m: usual is 1e\+5 to 1e\+9 N/m; was 90 N/µm meant, 9e\+07 N/m"
+    ):
+        accepted_machine(with_table(small(speed_rpm=[90, 500, 1000, 2000, 6000], kxx=[90.0, 91, 92, 93, 94])))
     damped = with_table(small(speed_rpm=[90, 500, 1000, 2000, 6000], kxx=[2e7] * 5, cxx=[90.0] * 5))
     del damped["bearings"][1]["cxx"]
     (damping,) = document_warnings(parse_machine(damped))
     assert damping.field == "bearings[1].speed_dependence.cxx"
     assert damping.words.startswith("90 N s/m at 6000 r/min, with the speed 0.0028 of kxx there: films have 0.1 to 10 of it")
+
+
+@pytest.mark.parametrize(("speeds", "meant"), [([2, 20, 40, 60, 100], "100 Hz"), ([10, 150, 300, 450, 630], "630 rad/s")])
+def test_speeds_of_a_table_in_other_units_are_asked_for(speeds: list[float], meant: str) -> None:
+    (unit,) = document_warnings(machine_of(small(speed_rpm=speeds)))
+    assert f"; was {meant} meant, 60" in unit.words, unit.words
+
+
+def test_a_table_for_several_loads_in_other_units_is_refused() -> None:
+    table = over_load(1000.0)
+    table["over_load"][1]["kxx"] = [20.0, *table["over_load"][1]["kxx"][1:]]
+    document = with_table(table)
+    del document["bearings"][1]["kxy"]
+    with pytest.raises(DocumentError, match=r"speed_dependence.over_load\[1\].kxx: 20 N/m: usual is .*; was 20 N/µm meant"):
+        accepted_machine(document)
+
+
+def test_what_neither_a_table_nor_its_bearing_gives_is_warned_of() -> None:
+    document = with_table(small(speed_rpm=[90, 500, 1000, 2000, 6000]))
+    for name in ("kyy", "cxy"):
+        del document["bearings"][1][name]
+    (lacking,) = document_warnings(parse_machine(document))
+    assert lacking.field == "bearings[1].speed_dependence"
+    assert lacking.words.startswith("neither in the table nor beside it: kyy, cxy; each is a constant that a fit must find")
 
 
 def test_a_hole_between_the_speeds_is_warned_of() -> None:

@@ -9,8 +9,8 @@ from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.statics.equilibrium import FilmTrain, film_train
 from estimator.statics.film_coefficients import film_coefficients
 from estimator.statics.film_stability import least_damped_whirl, whirl_onset
-from estimator.statics.train_statics import GRAVITY, MissingFilm
-from estimator.units import rpm_to_rad_per_s
+from estimator.statics.train_statics import MissingFilm
+from estimator.units import GRAVITY, rpm_to_rad_per_s
 from tests.estimator.statics.films import between_two_bearings, motor_compressor_document
 from tests.estimator.trains import few_examples
 from tests.film_plant.motor_compressor import CASES, CouplingKind

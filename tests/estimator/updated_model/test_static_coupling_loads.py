@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from estimator.machine.document import parse_machine
 from estimator.rotor.parameter_names import derived_unit
 from estimator.statics.coupling_balance import coupling_balances
-from estimator.statics.train_statics import GRAVITY
+from estimator.units import GRAVITY
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import expected_model
 from estimator.updated_model.static_coupling_loads import static_coupling_loads

@@ -73,7 +73,7 @@ def test_what_is_wrong_with_phasors_is_reported(pump: Path, tmp_path: Path) -> N
 
 def test_a_wrong_unit_is_named(pump: Path) -> None:
     pump.write_text(pump.read_text().replace("kxx: 1.8e+7", "kxx: 18"))
-    assert "was 18 N/µm meant?" in run("check", str(pump), status=1)
+    assert "was 18 N/µm meant, 1.8e+07 N/m?" in run("check", str(pump), status=1)
 
 
 def test_a_train_that_would_whirl_is_warned_of(tmp_path: Path) -> None:
@@ -82,6 +82,15 @@ def test_a_train_that_would_whirl_is_warned_of(tmp_path: Path) -> None:
     file = tmp_path / "fast.yaml"
     file.write_text(yaml.safe_dump(said), encoding="utf-8")
     assert re.search(r"warning: bearings: on the oil films .* would whirl from 5\d\d\d r/min", run("check", str(file)))
+
+
+def test_films_that_carry_at_no_speed_of_the_range_are_told_once(tmp_path: Path) -> None:
+    said = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
+    said["bearings"][0]["film"]["valid_above_rpm"] = 9000
+    file = tmp_path / "lifted.yaml"
+    file.write_text(yaml.safe_dump(said), encoding="utf-8")
+    (warning,) = [line for line in run("check", str(file)).splitlines() if line.startswith("warning")]
+    assert "bearings[0].film.valid_above_rpm: 9000 r/min is not below the end of the speed range, 4600 r/min" in warning
 
 
 def test_a_shaft_that_nothing_carries_is_said(tmp_path: Path) -> None:

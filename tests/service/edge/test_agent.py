@@ -282,6 +282,7 @@ def test_what_keeps_it_from_starting_is_said(endpoint: str, tmp_path: Path) -> N
     assert "move it away: a new one begins a new epoch" in ended(str(path))
     path.write_text("plant: a b")
     assert "keyphasor: Field required" in ended(str(path))
+    assert "Value error" not in ended(str(path))
     assert "No such file" in ended(str(tmp_path / "nowhere.yaml"))
 
 

@@ -43,6 +43,7 @@ STATES_AND_COUNTS = {
     "runs.speed_filter",
     "strict_model",
     "units",
+    "usual_values",
 }
 """Modules of the estimator that hold data, count samples and follow the speed; their work does not grow with the model."""
 FORM_MODULES = {form.__module__.removeprefix("estimator.") for form in FORMS}

@@ -194,6 +194,25 @@ def test_samples_for_another_plants_machine_are_refused_like_those_for_none(api:
     assert answers == [f"no machine {HIDDEN}", "no machine nothing-1"]
 
 
+def test_a_misspelt_machine_gets_those_like_it_which_the_client_may_list(api: Api, filled: Filled) -> None:
+    def told(key: str, name: str) -> str:
+        return str(problem(api.ask("GET", f"{PREFIX}/machines/{name}", headers=bearer(filled.keys[key])), 404)["detail"])
+
+    for key in ("viewer", "admin", "own"):
+        assert told(key, KEY.machine[:-1]) == f"no machine {KEY.machine[:-1]}; did you mean '{KEY.machine}'?"
+    assert told("viewer", HIDDEN[:-1]) == f"no machine {HIDDEN[:-1]}; did you mean '{HIDDEN}'?"
+    for key in ("own", "hidden"):
+        other = HIDDEN if key == "own" else KEY.machine
+        assert told(key, other[:-1]) == f"no machine {other[:-1]}"
+    assert told("viewer", "wholly-other") == "no machine wholly-other: GET /api/v1/machines lists those there are"
+
+
+def test_a_source_which_may_not_list_machines_is_told_no_names(api: Api, filled: Filled) -> None:
+    headers = bearer(filled.keys["source"]) | {"Content-Type": "application/json"}
+    path = f"{PREFIX}/machines/{KEY.machine[:-1]}/samples"
+    assert KEY.machine not in api.ask("POST", path, content=b"{}", headers=headers).text
+
+
 def test_health_tells_the_unknown_no_more_than_that(api: Api, filled: Filled) -> None:
     api.parts["ingest"] = "machine quince-9 is broken"
     unknown = api.ask("GET", f"{PREFIX}/health")

@@ -147,3 +147,13 @@ def test_a_disc_in_grams_is_named_with_what_its_shaft_carries() -> None:
 @pytest.mark.parametrize("document", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_discs_of_no_example_are_named(document: Path) -> None:
     assert not [one for one in document_warnings(read_machine(document)) if one.field.startswith("discs")]
+
+
+def test_a_static_force_far_beyond_the_weight_is_named() -> None:
+    said = motor_compressor_document("flexible")
+    load = {"id": "gear", "shaft": said["shafts"][0]["id"], "station": 0.7, "force_y": -5e6, "force_x": 2e4}
+    said["static_loads"] = [load]
+    (warning,) = document_warnings(parse_machine(said))
+    assert warning.field == "static_loads[0].force_y"
+    assert warning.words.startswith("-5e+06 N is ")
+    assert "times the weight of all rotors, " in warning.words

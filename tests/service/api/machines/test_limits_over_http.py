@@ -95,7 +95,7 @@ def test_of_two_who_set_limits_at_once_one_learns_of_the_other(api: httpx.Client
             {"bearing": {"alert": {"per_cent": 9}, "danger": {"per_cent": 8}}},
             "limits.bearing: danger.per_cent 8 lies below alert.per_cent 9: it must lie above",
         ),
-        ({"bearing": {"alert": {"per_cent": 0}}}, "limits.bearing.alert.per_cent: Input should be greater than 0"),
+        ({"bearing": {"alert": {"per_cent": 0}}}, "limits.bearing.alert.per_cent: 0 %: should be greater than 0"),
         ({"bearing": {"hysteresis": 1}}, "limits.bearing.hysteresis: Input should be less than or equal to 0.9"),
         ({"bearing": {"on_delay": 0}}, "limits.bearing.on_delay: Input should be greater than or equal to 1"),
         (

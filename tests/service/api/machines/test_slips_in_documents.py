@@ -56,21 +56,25 @@ SLIPS: dict[str, tuple[Callable[[Document], Any], str, str]] = {
         "bearings[1].film.oil",
         "iso_vg needs either temperature_c, of the film, or inlet_c [°C]",
     ),
-    "viscosity in mPa s": (film(oil={"viscosity": 9.0}), "bearings[1].film.oil.viscosity", "was 9 mPa s (cP) meant?"),
+    "viscosity in mPa s": (
+        film(oil={"viscosity": 9.0}),
+        "bearings[1].film.oil.viscosity",
+        "was 9 mPa s (cP) meant, 0.009 Pa s?",
+    ),
     "E in GPa": (
         lambda said: said["materials"]["steel"].update(young_modulus=210.0),
         "materials.steel.young_modulus",
-        "210 N/m²: steel has 2.1e+11 N/m²; was 210 GPa meant?",
+        "210 N/m²: steel has 2.1e+11 N/m²; was 210 GPa meant, 2.1e+11 N/m²?",
     ),
     "kxx in N/µm": (
         lambda said: said["bearings"][0].update(kxx=90.0),
         "bearings[0].kxx",
-        "90 N/m: usual is 1e+6 to 1e+10 N/m; was 90 N/µm meant?",
+        "90 N/m: usual is 1e+5 to 1e+10 N/m; was 90 N/µm meant, 9e+07 N/m?",
     ),
     "a shaft of 20 m": (
         lambda said: said["shafts"][0]["sections"][0].update(outer_diameter=20.0),
         "shafts[0].sections[0].outer_diameter",
-        "20 m: usual is 0.01 to 2 m; was 20 mm meant?",
+        "20 m: usual is 0.01 to 2 m; was 20 mm meant, 0.02 m?",
     ),
 }
 

@@ -34,6 +34,19 @@ def test_a_train_whose_journals_touch_is_not_said_to_be_stable() -> None:
     assert "would not whirl" not in said
 
 
+def test_films_are_said_not_to_be_valid_below_the_speed_from_which_they_carry() -> None:
+    machine = between_two_bearings()
+    film = machine.bearings[0].film
+    assert film is not None
+    lifted = machine.bearings[0].model_copy(update={"film": film.model_copy(update={"valid_above_rpm": 3500.0})})
+    machine = machine.model_copy(update={"bearings": (lifted, *machine.bearings[1:])})
+    said = film_text(machine, service_rpm=3000.0)
+    rows = [row for row in said.splitlines() if row.endswith("not valid below 3500 r/min: lifted by other means here")]
+    assert [row.split()[0] for row in rows] == ["B1", "B1"]
+    assert "Stability as if the films of B1 carried, which are not valid at 3000 r/min:" in said
+    assert "not valid" not in film_text(machine, service_rpm=3600.0).split("3600")[1]
+
+
 def test_a_journal_that_is_lifted_against_its_upper_half_is_remarked() -> None:
     weight = sum(float(row.split()[2]) for row in film_text(between_two_bearings(), service_rpm=3000.0).splitlines()[2:4])
     said = film_text(with_force(weight), service_rpm=3000.0)

@@ -4,6 +4,7 @@ import pytest
 from msgspec.structs import replace
 
 import rotorundown as rd
+from estimator.fit.estimates import Estimate
 from service.commands.results.identification_report import identification_text
 from tests.paths import EXAMPLES
 
@@ -31,3 +32,26 @@ def test_an_estimate_is_a_line_that_a_person_reads(
     changed = replace(first, name="it", unit=unit, quantity="stiffness", value=value, standard_error=error, imaginary=None)
     text = identification_text(replace(result.identification, estimates=(changed,)), every=True)
     assert text.splitlines()[-1] == f"it  {words}"
+
+
+def test_terms_that_are_tied_or_kept_are_told_so_and_not_as_left_open(result: rd.Result) -> None:
+    first = result.identification.estimates[0]
+
+    open_one = replace(first, element="pedestal.P2", value=None, standard_error=None, imaginary=None)
+
+    def without(name: str, reason: str) -> Estimate:
+        return replace(open_one, name=f"pedestal.P2.{name}", reason=reason)
+
+    estimates = (
+        without("kxx", "tied to pedestal.P1.kxx"),
+        without("kyy", "tied to pedestal.P1.kyy"),
+        without("mxx", "kept at its nominal value 600 kg"),
+        without("cxx", "as the document gives it over speed, which is taken as exact"),
+        without("cyy", "the data leave it open"),
+    )
+    held = replace(result.identification, estimates=estimates)
+    (line,) = [one for one in identification_text(held, every=False).splitlines() if one.startswith("pedestal.P2")]
+    assert line == "pedestal.P2  2 kept, 2 tied to pedestal.P1, 1 not estimable"
+    said = identification_text(held, every=True)
+    assert "pedestal.P2.kxx  tied to pedestal.P1.kxx" in said
+    assert said.count("not estimable: ") == 1
