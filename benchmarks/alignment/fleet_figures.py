@@ -52,18 +52,18 @@ NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
 
 
-Fleet = dict[Happening, list[FleetRecord]]
-"""What became of machines, by what happened to them."""
+FleetRecords = dict[Happening, list[FleetRecord]]
+"""Records of a fleet by what happened to its machines."""
 
 
 def fleet_of(
     kind: CouplingKind, machines: int, *, weeks: int, happenings: Sequence[Happening], kept_only: bool = False
-) -> Fleet:
+) -> FleetRecords:
     """Return what became of so many machines with one kind of coupling for each thing that happens.
 
     kept_only: only those of which it is kept what became of them.
     """
-    found: Fleet = {happening: [] for happening in HAPPENINGS}
+    found: FleetRecords = {happening: [] for happening in HAPPENINGS}
     for happening in happenings:
         for seed in range(machines):
             onset = weeks if happening == "healthy" else LONGEST_BASELINE + 2 + seed % 5
@@ -73,7 +73,7 @@ def fleet_of(
     return found
 
 
-def fleet_figures(kind: CouplingKind, found: Fleet) -> Iterator[ReportLine]:
+def fleet_figures(kind: CouplingKind, found: FleetRecords) -> Iterator[ReportLine]:
     """Yield the figures of a fleet with one kind of coupling."""
     every = [one for records in found.values() for one in records]
     if not every:
@@ -163,7 +163,7 @@ def _in_danger(week: Sequence[tuple[str, str, str]]) -> bool:
     return any(rule == "misalignment" and severity == "danger" for rule, _, severity in week)
 
 
-def false_figures(found: Fleet) -> Iterator[ReportLine]:
+def false_figures(found: FleetRecords) -> Iterator[ReportLine]:
     """Yield how often an alert is opened for what is not there."""
     healthy = found["healthy"]
     disturbed = [one for name in ("wear", "unbalance", "gain", "pedestal") for one in found[name]]

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.alignment.film_fleet import FleetRecord, OpenedAlert, record_name
 from benchmarks.alignment.film_histories import HAPPENINGS, LONGEST_BASELINE, WEEKS_A_YEAR, FilmHistory
-from benchmarks.alignment.fleet_figures import false_figures, fleet_figures, fleet_of
+from benchmarks.alignment.fleet_figures import FleetRecords, false_figures, fleet_figures, fleet_of
 from benchmarks.kept_outcomes import KEEPING, KeptOutcomes
 
 WEEKS = 16
@@ -60,6 +60,7 @@ def test_a_rate_is_as_low_as_asked_only_where_enough_years_show_it(machines: int
     weeks = 5 + WEEKS_A_YEAR
     quiet = replace(record(history, moved_um=0.0, named=False), weeks=weeks, offsets=(0.0,) * weeks)
     wrong = replace(quiet, opened=(OpenedAlert(30, "misalignment", "coupling.C1", "warning", 40.0),))
-    found = {name: [] for name in HAPPENINGS} | {"healthy": [wrong] * false + [quiet] * (machines - false)}
+    found: FleetRecords = {name: [] for name in HAPPENINGS}
+    found["healthy"] = [wrong] * false + [quiet] * (machines - false)
     told = {one.what.strip(): one for one in false_figures(found)}
     assert told["false misalignment alerts, healthy, upper bound a machine-year"].kept is kept
