@@ -7,7 +7,11 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from estimator.fit.estimates import KEPT, TIED, Estimate
+from estimator.fit.identification import Identification
+from estimator.machine.document import Machine
+from estimator.machine.film_speeds import slowest_rpm
 from estimator.machine.parameter_description import describe
+from estimator.units import rad_per_s_to_rpm
 
 G_MM = 1e6
 """g mm in a kg m."""
@@ -24,6 +28,14 @@ LARGEST_PER_CENT = 0.5
 UNBALANCE = "unbalance"
 REFUSED_VALUES = "Where the refused fit ended; these are no results, neither the values nor their errors:"
 """Heading of the values of a fit that is not accepted."""
+
+
+def sample_words(found: Identification, machine: Machine) -> str:
+    """Return how many samples were fitted and over which speeds; on films that hold from a speed on, that speed."""
+    slowest = slowest_rpm(machine)
+    held = f" (films hold from {slowest:.0f} r/min on)" if slowest > machine.speed_range.minimum_rpm else ""
+    low, high = rad_per_s_to_rpm(found.speed_minimum), rad_per_s_to_rpm(found.speed_maximum)
+    return f"{found.samples} samples, {low:.0f} to {high:.0f} r/min{held}"
 
 
 def element_lines(estimates: Sequence[Estimate]) -> list[str]:

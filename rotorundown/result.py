@@ -15,9 +15,9 @@ from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import joined
 from estimator.phasors.quality import Quality
-from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.units import rpm_to_rad_per_s
 from rotorundown.environment.optional_packages import optional_package
-from rotorundown.estimate_summary import REFUSED_VALUES, element_lines, within_screen
+from rotorundown.estimate_summary import REFUSED_VALUES, element_lines, sample_words, within_screen
 from rotorundown.notebook_text import notebook_text
 from rotorundown.runs import MachineRun
 
@@ -167,10 +167,7 @@ class Result(Struct, frozen=True, eq=False, dict=True):
     def __str__(self) -> str:
         found = self.identification
         head = found.verdict if found.accepted else f"NOT ACCEPTED, not to be used: {found.verdict}"
-        size = (
-            f"{found.samples} samples, {rad_per_s_to_rpm(found.speed_minimum):.0f} to "
-            f"{rad_per_s_to_rpm(found.speed_maximum):.0f} r/min, {len(self)} parameters"
-        )
+        size = f"{sample_words(found, self.machine)}, {len(self)} parameters"
         findings = [
             f"{run.name}: {words}"
             for run, quality in zip(self.runs, self.qualities, strict=True)

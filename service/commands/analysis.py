@@ -125,7 +125,7 @@ def _print(
     from service.commands.results.alignment_report import alignment_text
     from service.commands.results.identification_report import beyond_stated_weights, identification_text, since_text
 
-    print_text(identification_text(result, every=every))
+    print_text(identification_text(machine, result, every=every))
     since = unbalance_since(machine, result)
     if since is not None:
         scale, direction = stated_scale(machine, file, sidecar)

@@ -18,7 +18,7 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
-from rotorundown.estimate_summary import REFUSED_VALUES, element_lines
+from rotorundown.estimate_summary import REFUSED_VALUES, element_lines, sample_words
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6
@@ -43,15 +43,14 @@ def verdict_text(result: Identification) -> str:
     return result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}"
 
 
-def identification_text(result: Identification, *, every: bool) -> str:
-    """Return the verdict and estimates ± standard error, under a heading of their own where refused.
+def identification_text(machine: Machine, result: Identification, *, every: bool) -> str:
+    """Return the verdict and estimates of a machine ± standard error, under a heading of their own where refused.
 
     every: give each parameter a line, and the reason of one that is not estimable, where else each element has one.
     """
     lines = [
         verdict_text(result),
-        f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
-        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} r/min; {result.starts} start{'' if result.starts == 1 else 's'}, "
+        f"{sample_words(result, machine)}; {result.starts} start{'' if result.starts == 1 else 's'}, "
         f"{result.iterations} iterations; condition number {result.condition_number:.2g}",
         *(("",) if result.accepted else ("", REFUSED_VALUES)),
     ]

@@ -5,6 +5,8 @@ from msgspec.structs import replace
 
 import rotorundown as rd
 from estimator.fit.estimates import Estimate
+from estimator.machine.document import parse_machine
+from rotorundown.estimate_summary import sample_words
 from service.commands.results.identification_report import identification_text
 from tests.paths import EXAMPLES
 
@@ -30,7 +32,7 @@ def test_an_estimate_is_a_line_that_a_person_reads(
 ) -> None:
     first = result.identification.estimates[0]
     changed = replace(first, name="it", unit=unit, quantity="stiffness", value=value, standard_error=error, imaginary=None)
-    text = identification_text(replace(result.identification, estimates=(changed,)), every=True)
+    text = identification_text(result.machine, replace(result.identification, estimates=(changed,)), every=True)
     assert text.splitlines()[-1] == f"it  {words}"
 
 
@@ -50,8 +52,19 @@ def test_terms_that_are_tied_or_kept_are_told_so_and_not_as_left_open(result: rd
         without("cyy", "the data leave it open"),
     )
     held = replace(result.identification, estimates=estimates)
-    (line,) = [one for one in identification_text(held, every=False).splitlines() if one.startswith("pedestal.P2")]
+    (line,) = [
+        one for one in identification_text(result.machine, held, every=False).splitlines() if one.startswith("pedestal.P2")
+    ]
     assert line == "pedestal.P2  2 kept, 2 tied to pedestal.P1, 1 not estimable"
-    said = identification_text(held, every=True)
+    said = identification_text(result.machine, held, every=True)
     assert "pedestal.P2.kxx  tied to pedestal.P1.kxx" in said
     assert said.count("not estimable: ") == 1
+
+
+def test_the_speed_from_which_films_hold_stands_beside_the_speeds_that_were_fitted(result: rd.Result) -> None:
+    fitted = "60 samples, 285 to 3596 r/min"
+    assert sample_words(result.identification, result.machine) == fitted
+    train = rd.read_machine(EXAMPLES / "motor-compressor.yaml")
+    document = train.model_dump(mode="json")
+    document["bearings"][1]["film"]["valid_above_rpm"] = 1200.0
+    assert sample_words(result.identification, parse_machine(document)) == f"{fitted} (films hold from 1200 r/min on)"
