@@ -38,7 +38,7 @@ compiled: $(VENV)/.installed
 test: lint compiled
 	PYTEST_DEBUG_TEMPROOT=$(IN_MEMORY) $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser
 
-test-browser: compiled ## the page in a real browser, which needs chromium-headless-shell or chromium
+test-browser: compiled ## the page in a real browser, which needs chromium
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
