@@ -9,7 +9,6 @@ from pydantic import Field, model_validator
 
 from estimator.field_types import Identifier, NotNegative, Part, Positive, Real, Text
 from estimator.machine.parameter_description import describe
-from estimator.symmetric_eigen import symmetric_eigen
 
 MOST_PARAMETERS = 400
 """Most parameters of a calibration."""
@@ -104,6 +103,6 @@ class Calibration(Part):
         size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         if not np.all(size > 0.0) or not np.allclose(covariance, covariance.T, rtol=1e-6, atol=0.0):
             raise ValueError("a covariance is symmetric, with variances above zero")
-        if float(symmetric_eigen(covariance / np.outer(size, size))[0].min()) < LEAST_CORRELATION_EIGENVALUE:
+        if float(np.linalg.eigvalsh(covariance / np.outer(size, size)).min()) < LEAST_CORRELATION_EIGENVALUE:
             raise ValueError("the covariance is not positive definite: it was changed by hand or cut short")
         return self

@@ -44,6 +44,7 @@ OWN = {
     "calibration/calibration_runs.py": "counts and compares what runs state",
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
     "fit/validation/identifiability.py": "reads a covariance whose source is the fit's",
+    "machine/calibration.py": "a document's part; the method is in calibration/",
     "phasors/sweep_transient.py": "derived in the module's docstring",
     "phasors/beating.py": "derived in the module's docstring",
     "phasors/modal_transient.py": "derived in the module's docstring",

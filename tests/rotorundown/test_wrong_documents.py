@@ -65,7 +65,7 @@ def test_a_machine_is_printed_in_a_line(pump: Machine) -> None:
 
 
 CONTRADICTIONS: dict[str, tuple[Callable[[Machine], dict[str, Any]], str]] = {
-    "no bearings": (lambda _: {"bearings": ()}, "bearings: Tuple should have at least 1 item"),
+    "no bearings": (lambda _: {"bearings": ()}, "bearings: should have at least 1 of them, not 0"),
     "an empty range": (
         lambda pump: {"speed_range": pump.speed_range.model_copy(update={"minimum_rpm": 4000.0})},
         "speed_range: minimum_rpm 4000.0 must be below maximum_rpm 3600.0",
