@@ -126,11 +126,14 @@ def test_a_session_ends_with_its_token(serving: tuple[OpcUaServing, Authority], 
         # Clocks may differ by 30 s.
         soon = int(time.time()) - 26
         one = await client(serving, issuer.token(sub="olga", rundown_role="viewer", rundown_plants=["*"], exp=soon))
+        line = one.uaclient.protocol
+        assert line is not None
         assert await one.get_node(f"{MACHINE}/Name").read_value() == "Pump 7"
         for _ in range(150):
             try:
                 await one.get_node(f"{MACHINE}/Name").read_value()
             except (UaError, ConnectionError, TimeoutError):
+                line.disconnect_socket()  # the client itself closes nothing once it has found the session's end
                 one.disconnect_socket()
                 await asyncio.sleep(0.1)
                 return
