@@ -10,9 +10,9 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, Playwright, ViewportSize, expect, sync_playwright
 
-from tests.browser.shown_service import BASELINE_RUNS, ZONE, installed, launch, run_scenario
+from tests.browser.shown_service import BASELINE_RUNS, ZONE, launch, program_for_tests, run_scenario
 from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
@@ -116,18 +116,24 @@ def service(place: Service, serving: subprocess.Popen[bytes]) -> Service:
     return place
 
 
+@pytest.fixture(scope="session")
+def driver() -> Iterator[Playwright]:
+    """What drives browsers, once for each process of tests."""
+    with sync_playwright() as playwright:
+        yield playwright
+
+
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+def browser(driver: Playwright) -> Iterator[Browser]:
     """Headless Chromium."""
-    program = installed()
+    program = program_for_tests()
     if program is None:
         if os.environ.get("RUNDOWN_REQUIRE_ALL"):
             pytest.fail("chromium is not installed; .ci/run installs it")
         pytest.skip("chromium is not installed")
-    with sync_playwright() as playwright:
-        launched = launch(playwright, program)
-        yield launched
-        launched.close()
+    launched = launch(driver, program)
+    yield launched
+    launched.close()
 
 
 @pytest.fixture

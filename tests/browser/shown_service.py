@@ -61,6 +61,11 @@ def installed() -> str | None:
     return shutil.which("chromium")
 
 
+def program_for_tests() -> str | None:
+    """Chromium's headless shell, which opens pages with a fifth of the work, as it draws no windows; else Chromium."""
+    return shutil.which("chromium-headless-shell") or installed()
+
+
 def launch(playwright: Playwright, program: str) -> Browser:
     """A headless browser that speaks to nobody but the pages it is sent to."""
     return playwright.chromium.launch(executable_path=program, args=list(FLAGS))

@@ -35,7 +35,7 @@ from service.http.error_status import STATUS
 from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_rules import FINDING_RULES
 from storage.measurements.runs import SamplesReleased
-from tests.browser.shown_service import installed, launch
+from tests.browser.shown_service import launch, program_for_tests
 from tests.paths import ROOT
 
 LISTED = [page for names in NAVIGATION.values() for page in names]
@@ -198,7 +198,7 @@ def test_a_wide_equation_is_moved_by_itself(site: Path) -> None:
 
 @pytest.mark.long
 def test_it_is_searched_as_files_and_asks_nobody(site: Path) -> None:
-    program = installed()
+    program = program_for_tests()
     if program is None:
         pytest.skip("chromium is not installed")
     with sync_playwright() as playwright:
