@@ -23,11 +23,16 @@ from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, 
 from service.monitoring.rules.diagnosis_rules import cause_severity
 from service.monitoring.rules.finding_catalogue import finding_rule
 from service.monitoring.rules.limits import Limits
-from tests.film_plant.plant import noisy
+from tests.film_plant.arrays import Complexes, Floats
+from tests.film_plant.condensed import CondensedTrain
+from tests.film_plant.plant import Plant, noisy
 from tests.film_plant.scatter import run_of
 from tests.film_plant.statics import NoEquilibrium
+from tests.film_plant.sweep import films_between
 
 SAMPLES = 150
+FILM_SPEEDS = 31
+"""Speeds at which a run's films are solved; splines between them change phasors by less than a twentieth of the noise."""
 OPTIONS = Options(starts=2)
 WEEK_NS = 7 * 86_400 * 1_000_000_000
 GAIN = 1.1
@@ -114,6 +119,7 @@ class _Life:
         self.opened: list[OpenedAlert] = []
         self.told: float | None = None
         self.missed: list[int] = []
+        self.train: CondensedTrain | None = None
 
     def live(self, week: int) -> None:
         """Measure and identify one week's run, and assess it."""
@@ -122,17 +128,24 @@ class _Life:
         except (RuntimeError, NoEquilibrium):
             self.missed.append(week)  # it whirls in such oil, or its journals touch: nobody runs it down
             return
-        films = plant.films(plant.speeds(SAMPLES))
-        phasor = noisy(plant.phasors(films), self.rng)
+        speed = plant.speeds(SAMPLES)
+        phasor = noisy(self._phasors(plant, speed), self.rng)
         if self.history.happening == "gain" and week >= self.history.onset:
             phasor[:, self.history.number] *= GAIN
         conditions = self.history.conditions(week)
         began = time.process_time()
-        found = self._identified(films.speed, phasor, conditions)
+        found = self._identified(speed, phasor, conditions)
         if found is not None:
             self.runs.append(AssessedRun(week, week * WEEK_NS, conditions, observed_fit(found)))
             self._judge(week)
         self.processor += time.process_time() - began
+
+    def _phasors(self, plant: Plant, speed: Floats) -> Complexes:
+        """Phasors of a run without noise: films at some of its speeds, and the train as it was in the week before."""
+        stiffness, damping = films_between(plant.films(plant.speeds(FILM_SPEEDS)), speed)
+        if self.train is None or not self.train.is_of(plant.matrices):
+            self.train = CondensedTrain(plant.matrices, speed)
+        return self.train.phasors(stiffness=stiffness, damping=damping)
 
     def _identified(self, speed: Any, phasor: Any, conditions: dict[str, float | None]) -> Identification | None:
         machine = under_conditions(self.history.machine, conditions)

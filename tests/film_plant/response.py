@@ -49,12 +49,17 @@ def response(matrices: Matrices, *, speed: Floats, stiffness: Floats, damping: F
 def eigenvalues(matrices: Matrices, *, speed: float, stiffness: Floats, damping: Floats) -> Complexes:
     """Eigenvalues (2N,) [rad/s] at a speed [rad/s] with coefficients (n, 2, 2)."""
     whole, slowed = with_films(matrices, stiffness, damping)
-    size = len(whole)
-    inverse = scipy.linalg.cho_factor(matrices.mass)
+    return eigenvalues_of(matrices.mass, whole, slowed + speed * matrices.gyroscopic)
+
+
+def eigenvalues_of(mass: Floats, stiffness: Floats, damping: Floats) -> Complexes:
+    """Eigenvalues (2N,) [rad/s] of M q̈ + C q̇ + K q = 0."""
+    size = len(mass)
+    inverse = scipy.linalg.cho_factor(mass)
     state = np.block(
         [
             [np.zeros((size, size)), np.eye(size)],
-            [-scipy.linalg.cho_solve(inverse, whole), -scipy.linalg.cho_solve(inverse, slowed + speed * matrices.gyroscopic)],
+            [-scipy.linalg.cho_solve(inverse, stiffness), -scipy.linalg.cho_solve(inverse, damping)],
         ]
     )
     return np.asarray(scipy.linalg.eigvals(state))

@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.assembly import Matrices
+from tests.film_plant.response import eigenvalues_of
 from tests.film_plant.statics import Equilibrium
 
 HIGHEST_MODE = 15.0
@@ -76,6 +77,11 @@ class ReducedTrain:
         whole = self.stiffness + self.relative.T @ scipy.linalg.block_diag(*stiffness) @ self.relative
         return whole, self.damping + self.relative.T @ scipy.linalg.block_diag(*damping) @ self.relative
 
+    def eigenvalues(self, *, speed: float, stiffness: Floats, damping: Floats) -> Complexes:
+        """Eigenvalues [rad/s] at a speed [rad/s] with coefficients (n, 2, 2)."""
+        whole, slowed = self.with_films(stiffness, damping)
+        return eigenvalues_of(self.mass, whole, slowed + speed * self.gyroscopic)
+
     def steady(self, speed: float, stiffness: Floats, damping: Floats) -> Complexes:
         """Motion in steady running at a speed [rad/s] with coefficients (n, 2, 2)."""
         whole, slowed = self.with_films(stiffness, damping)
@@ -108,7 +114,7 @@ def sweep(
     time = np.asarray(step * np.arange(-lead, between * (samples - 1) + between // 2 + 1), dtype=float)
     speed = np.asarray(np.maximum(first + acceleration * time, 0.05 * min(first, last)), dtype=float)
     train = ReducedTrain(matrices, HIGHEST_MODE * max(first, last))
-    stiffness, damping = _over_speed(films, speed)
+    stiffness, damping = films_between(films, speed)
     seen = _envelope(train, speed, acceleration, step, stiffness, damping) @ train.relative.T
     place = lead + between * np.arange(samples)
     steady = np.array([train.relative @ train.steady(speed[k], stiffness[k], damping[k]) for k in place])
@@ -118,8 +124,8 @@ def sweep(
     return SweepRecord(time[place], speed[place], seen[place], averaged, steady)
 
 
-def _over_speed(films: Equilibrium, speed: Floats) -> tuple[Floats, Floats]:
-    """Coefficients (n_steps, n, 2, 2) along a sweep, level beyond the films' speeds."""
+def films_between(films: Equilibrium, speed: Floats) -> tuple[Floats, Floats]:
+    """Stiffness and damping (S, n, 2, 2) at speeds (S,) [rad/s] between those of films, level beyond them."""
     order = np.argsort(films.speed)
     known = films.speed[order]
     inside = np.clip(speed, known[0], known[-1])
