@@ -51,7 +51,7 @@ class CondensedTrain:
             for rows, sign in ends:
                 for columns, other in ends:
                     block = np.ix_([place[int(one)] for one in rows], [place[int(one)] for one in columns])
-                    dynamic[:, *block] += sign * other * films[:, number]
+                    dynamic[(slice(None), *block)] += sign * other * films[:, number]
         moved = np.zeros((self._speed.size, len(self._matrices.mass)), dtype=complex)
         moved[:, self._kept] = np.linalg.solve(dynamic, self._force[..., None])[..., 0]
         return at_probes(self._matrices, moved)
