@@ -118,7 +118,7 @@ def service(place: Service, serving: subprocess.Popen[bytes]) -> Service:
 
 @pytest.fixture(scope="session")
 def driver() -> Iterator[Playwright]:
-    """What drives browsers, once for each process of tests."""
+    """Driver of browsers, one for each process of tests."""
     with sync_playwright() as playwright:
         yield playwright
 
