@@ -141,7 +141,7 @@ class _Life:
         self.processor += time.process_time() - began
 
     def _phasors(self, plant: Plant, speed: Floats) -> Complexes:
-        """Phasors of a run without noise: films at some of its speeds, and the train as it was in the week before."""
+        """Compute a run's phasors without noise: films solved at some of its speeds, the train condensed once for all weeks."""
         stiffness, damping = films_between(plant.films(plant.speeds(FILM_SPEEDS)), speed)
         if self.train is None or not self.train.is_of(plant.matrices):
             self.train = CondensedTrain(plant.matrices, speed)
