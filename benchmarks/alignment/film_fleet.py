@@ -141,7 +141,7 @@ class _Life:
         self.processor += time.process_time() - began
 
     def _phasors(self, plant: Plant, speed: Floats) -> Complexes:
-        """Compute a run's phasors without noise: films solved at some of its speeds, the train condensed once for all weeks."""
+        """Compute a run's phasors without noise: films solved at some of its speeds, the train condensed once."""
         stiffness, damping = films_between(plant.films(plant.speeds(FILM_SPEEDS)), speed)
         if self.train is None or not self.train.is_of(plant.matrices):
             self.train = CondensedTrain(plant.matrices, speed)
