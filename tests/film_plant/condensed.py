@@ -50,8 +50,8 @@ class CondensedTrain:
             ends = [(journal, 1.0)] if stand[0] < 0 else [(journal, 1.0), (stand, -1.0)]
             for rows, sign in ends:
                 for columns, other in ends:
-                    block = np.ix_([place[int(one)] for one in rows], [place[int(one)] for one in columns])
-                    dynamic[(slice(None), *block)] += sign * other * films[:, number]
+                    row, column = np.ix_([place[int(one)] for one in rows], [place[int(one)] for one in columns])
+                    dynamic[:, row, column] += sign * other * films[:, number]
         moved = np.zeros((self._speed.size, len(self._matrices.mass)), dtype=complex)
         moved[:, self._kept] = np.linalg.solve(dynamic, self._force[..., None])[..., 0]
         return at_probes(self._matrices, moved)
