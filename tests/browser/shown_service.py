@@ -62,7 +62,7 @@ def installed() -> str | None:
 
 
 def program_for_tests() -> str | None:
-    """Chromium's headless shell, which opens pages with a fifth of the work, as it draws no windows; else Chromium."""
+    """Chromium's headless shell, which opens pages with less work, as it draws no windows; else Chromium."""
     return shutil.which("chromium-headless-shell") or installed()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.assembly import Matrices
-from tests.film_plant.response import at_probes
+from tests.film_plant.response import at_probes, film_blocks
 
 
 class CondensedTrain:
@@ -45,13 +45,11 @@ class CondensedTrain:
         """Phasors (S, 2n) [m] at the bearings, relative to the pedestals, with films' coefficients (S, n, 2, 2)."""
         dynamic = self._dynamic.copy()
         films = stiffness + 1j * self._speed[:, None, None, None] * damping
-        place = {int(dof): number for number, dof in enumerate(self._kept)}
-        for number, (journal, stand) in enumerate(zip(self._matrices.journals, self._matrices.pedestals, strict=True)):
-            ends = [(journal, 1.0)] if stand[0] < 0 else [(journal, 1.0), (stand, -1.0)]
-            for rows, sign in ends:
-                for columns, other in ends:
-                    row, column = np.ix_([place[int(one)] for one in rows], [place[int(one)] for one in columns])
-                    dynamic[:, row, column] += sign * other * films[:, number]
+        place = np.zeros(len(self._matrices.mass), dtype=int)
+        place[self._kept] = np.arange(self._kept.size)
+        for number, rows, columns, sign in film_blocks(self._matrices):
+            row, column = np.ix_(place[rows], place[columns])
+            dynamic[:, row, column] += sign * films[:, number]
         moved = np.zeros((self._speed.size, len(self._matrices.mass)), dtype=complex)
         moved[:, self._kept] = np.linalg.solve(dynamic, self._force[..., None])[..., 0]
         return at_probes(self._matrices, moved)

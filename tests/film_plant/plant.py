@@ -128,7 +128,7 @@ class Plant:
     def is_damped(self, speed: Floats, *, ratio: float) -> bool:
         """Tell whether all modes are damped by more than a ratio [-] at speeds (S,) [rad/s].
 
-        Modes between held journals far above them are left out, so that a look takes a tenth of the work.
+        Modes between held journals far above them are left out: eigenvalues of fewer degrees of freedom cost less.
         """
         films, train = self.films(speed), ReducedTrain(self.matrices, KEPT_MODE * self.fastest)
         return all(

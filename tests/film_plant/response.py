@@ -1,22 +1,30 @@
 """Response to unbalance and stability of a train, with films or with any coefficients given over speed."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import scipy.linalg
 
-from tests.film_plant.arrays import Complexes, Floats
+from tests.film_plant.arrays import Complexes, Floats, Indices
 from tests.film_plant.assembly import Matrices
 
 
 def with_films(matrices: Matrices, stiffness: Floats, damping: Floats) -> tuple[Floats, Floats]:
     """Stiffness and damping (N, N) of the train with films' coefficients (n, 2, 2) between journals and pedestals."""
     whole, slowed = matrices.stiffness.copy(), matrices.damping.copy()
-    for journal, pedestal, k, c in zip(matrices.journals, matrices.pedestals, stiffness, damping, strict=True):
+    for number, rows, columns, sign in film_blocks(matrices):
+        whole[np.ix_(rows, columns)] += sign * stiffness[number]
+        slowed[np.ix_(rows, columns)] += sign * damping[number]
+    return whole, slowed
+
+
+def film_blocks(matrices: Matrices) -> Iterator[tuple[int, Indices, Indices, float]]:
+    """Yield where films act: number of the bearing, degrees of freedom (2,) of rows and of columns, and the sign there."""
+    for number, (journal, pedestal) in enumerate(zip(matrices.journals, matrices.pedestals, strict=True)):
         ends = [(journal, 1.0)] if pedestal[0] < 0 else [(journal, 1.0), (pedestal, -1.0)]
         for rows, sign in ends:
             for columns, other in ends:
-                whole[np.ix_(rows, columns)] += sign * other * k
-                slowed[np.ix_(rows, columns)] += sign * other * c
-    return whole, slowed
+                yield number, rows, columns, sign * other
 
 
 def motion(matrices: Matrices, *, speed: Floats, stiffness: Floats, damping: Floats) -> Complexes:
