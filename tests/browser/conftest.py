@@ -116,9 +116,9 @@ def service(place: Service, serving: subprocess.Popen[bytes]) -> Service:
     return place
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def driver() -> Iterator[Playwright]:
-    """Driver of browsers, one for each process of tests."""
+    """Driver of browsers, one for each process; it ends with this folder, since no other event loop runs beside it."""
     with sync_playwright() as playwright:
         yield playwright
 
