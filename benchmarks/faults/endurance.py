@@ -16,7 +16,7 @@ import contextlib
 import itertools
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,6 +34,8 @@ ASKED_MB_PER_HOUR = 1.0
 EVERY_S = 2.0
 WARM_UP = 0.5
 """Part of the time before the slope is taken."""
+LONGEST = 3
+"""Times as long as asked, at most, where less has happened than is wanted."""
 COMPRESSED = {
     "RUNDOWN_RAW_DAYS": "1",
     "RUNDOWN_RUN_DAYS": "2",
@@ -65,7 +67,6 @@ class Readings:
     files: list[int] = field(default_factory=list)
     log: list[float] = field(default_factory=list)
     database: list[float] = field(default_factory=list)
-    stored: int = 0
     lost: int = 0
     happened: dict[str, int] = field(default_factory=dict)
 
@@ -98,21 +99,32 @@ def _size(file: Path) -> float:
     return file.stat().st_size / 1e6 if file.exists() else 0.0
 
 
-def measured(folder: Path, options: argparse.Namespace) -> Readings:
-    """Return the readings taken while the service worked."""
+def measured(folder: Path, options: argparse.Namespace, *, enough: Mapping[str, int] | None = None) -> Readings:
+    """Return the readings taken while the service worked.
+
+    enough: counts of `happened` below which it goes on, up to `LONGEST` times as long, as a slow machine needs.
+    """
     service = Service(folder, **(COMPRESSED if options.starts else {}))
     readings = Readings()
     with service.running() as serving, living(service, folder, options), looking(service, wanted=options.starts):
         until(lambda: received(service) > 0, within_s=60, what="samples come")
         process, began = psutil.Process(serving.pid), time.monotonic()
-        while time.monotonic() - began < 60 * options.minutes:
+        while _goes_on(service, time.monotonic() - began, options, enough or {}):
             readings.read(process, folder / "rundown.db")
             time.sleep(EVERY_S)
-        readings.stored = received(service)
         readings.lost = sum(row["lost"] for row in service.get("/sources"))
         readings.happened = happened(service)
     service.client.close()
     return readings
+
+
+def _goes_on(service: Service, elapsed_s: float, options: argparse.Namespace, enough: Mapping[str, int]) -> bool:
+    if elapsed_s < 60 * options.minutes:
+        return True
+    if elapsed_s > LONGEST * 60 * options.minutes:
+        return False
+    found = happened(service)
+    return any(found[what] < count for what, count in enough.items())
 
 
 def living(service: Service, folder: Path, options: argparse.Namespace) -> AbstractContextManager[Any]:
@@ -121,7 +133,7 @@ def living(service: Service, folder: Path, options: argparse.Namespace) -> Abstr
     if not options.starts:
         arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(machines), "--connect", service.endpoint]
         arguments += ["--folder", str(folder), "--rate", str(options.rate), "--channels", "8"]
-        return publishing(*arguments, "--seconds", str(60 * options.minutes + 60))
+        return publishing(*arguments, "--seconds", str(60 * LONGEST * options.minutes + 60))
     files = [folder / f"{machine}.yaml" for machine in machines]
     for file in files:
         file.write_text(yaml.safe_dump(example(MACHINE) | {"id": file.stem}))
@@ -129,7 +141,7 @@ def living(service: Service, folder: Path, options: argparse.Namespace) -> Abstr
         f"{file}:{scenario}" for file, scenario in zip(files, itertools.cycle(("healthy", "misalignment", "unbalance")))
     ]
     rate = options.rate / options.machines
-    cycles = round((60 * options.minutes + 60) * rate / (2 * options.samples)) + 1
+    cycles = round((60 * LONGEST * options.minutes + 60) * rate / (2 * options.samples)) + 1
     arguments = ["-m", "service", "simulate", *scenarios, "--connect", service.endpoint, "--cycles", str(cycles)]
     arguments += ["--samples", str(options.samples), "--rate", str(rate)]
     return publishing(*arguments, "--interval-days", str(options.hours_between / 24.0))
@@ -163,9 +175,10 @@ def looking(service: Service, *, wanted: bool) -> Iterator[None]:
 
 
 def happened(service: Service) -> dict[str, int]:
-    """Return the number of runs, identifications and alert events of all machines."""
+    """Return the number of stored samples, and of runs, identifications and alert events of all machines."""
     machines = service.get("/fleet", since="2000-01-01T00:00:00Z")["machines"]
-    return {kind: sum(one["happened"][kind] for one in machines) for kind in ("runs", "identifications", "alert_events")}
+    events = {kind: sum(one["happened"][kind] for one in machines) for kind in ("runs", "identifications", "alert_events")}
+    return {"samples": received(service)} | events
 
 
 def measure(folder: Path, options: argparse.Namespace) -> bool:
@@ -176,7 +189,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     how = f"starts {options.hours_between:g} h apart, {options.samples} samples a sweep" if options.starts else "steady"
     print(
         f"{options.minutes:g} minutes at {options.rate:g} samples/s of 8 channels, {how}: "
-        f"{readings.stored} stored, {readings.lost} lost"
+        f"{readings.happened['samples']} stored, {readings.lost} lost"
     )
     print(
         f"  memory {readings.memory[half]:.0f} MB at half time, {readings.memory[-1]:.0f} MB at the end: "

@@ -24,6 +24,9 @@ logger = logging.getLogger(__name__)
 LONGEST_TRANSACTION_S = 0.006
 """Time after which no further batch is added to a transaction; the consequences of those in it come on top: some four times
 as much."""
+LONGEST_WHEN_BEHIND_S = 0.03
+"""The same, at most, while more is held than transactions have time for. What a transaction costs, however little it stores,
+is shared by more batches then; on a slow machine it would else take nearly all of the time."""
 LONGEST_TURN_S = 0.1
 """Time after which a turn stores no further single batch: messages wait to be taken."""
 FEWEST_AT_ONCE, MAXIMUM_AT_ONCE = 20, 1000
@@ -38,6 +41,7 @@ class WriteBatch:
         self._backoff = backoff
         self._held: list[HeldBatch] = []
         self._at_once = FEWEST_AT_ONCE
+        self._within_s = LONGEST_TRANSACTION_S
         self._expected: BoundedDict[SourceKey, int] = BoundedDict()
         self.refusals = Refusals(writer)
         self._single_writes = SingleWrites(writer, self.refusals, backoff, self)
@@ -124,13 +128,14 @@ class WriteBatch:
     def _store_together(self) -> None:
         if self._held or self.refusals.rejections:
             arrived = [one.arrived for one in self._held[: self._at_once]]
-            outcomes = self._writer.store(arrived, self.refusals.rejections, within_s=LONGEST_TRANSACTION_S)
+            outcomes = self._writer.store(arrived, self.refusals.rejections, within_s=self._within_s)
             for one, outcome in zip(self._held, outcomes, strict=False):
                 self.acknowledge(one, outcome)
             del self._held[: len(outcomes)]
             # What a transaction looks up for batches that it has no time for is looked up in vain.
             fitted = len(outcomes) == len(arrived)
             self._at_once = min(2 * self._at_once, MAXIMUM_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
+            self._within_s = LONGEST_TRANSACTION_S if fitted else min(2 * self._within_s, LONGEST_WHEN_BEHIND_S)
         self.refusals.stored()
 
     def _store_one_by_one(self) -> None:

@@ -133,7 +133,7 @@ FLOODS: dict[str, Callable[[Prepared, int], FloodRequest]] = {
     "webhooks by name": lambda _, number: (
         "POST",
         "/subscriptions",
-        {"kind": "webhook", "name": f"hook {number}", "target": f"https://hook-{number}.example/"},
+        {"kind": "webhook", "name": f"unknown host {number}", "target": f"https://hook-{number}.example/"},
     ),
     "try-outs": lambda *_: ("POST", "/subscriptions/1/test", None),
     "calibrations": lambda stored, number: (

@@ -13,7 +13,9 @@ from sqlalchemy.orm import Session
 
 from formats.wire import SampleBatch, source_key
 from service.runs.collector import Collector
-from service.write_path.batch import ArrivedBatch
+from service.write_path import write_batch
+from service.write_path.batch import ArrivedBatch, StoreOutcome
+from service.write_path.sample_writer import SampleWriter
 from service.write_path.source_backoff import SourceBackoff
 from service.write_path.write_batch import WriteBatch
 from storage.database.engine import Database
@@ -122,6 +124,33 @@ def test_what_a_short_transaction_has_no_time_for_is_left_for_the_next(plant: Da
         turns += 1
     assert numbers(plant) == list(range(12))
     assert turns <= len(every) - 1
+
+
+class OnlyOneAtATime(SampleWriter):
+    """Has time for one batch in each transaction, whatever time it is given."""
+
+    def __init__(self, database: Database) -> None:
+        super().__init__(database, Collector())
+        self.within_s: list[float] = []
+
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], *, within_s: float = 0.0) -> list[StoreOutcome]:
+        self.within_s.append(within_s)
+        return super().store(arrived, rejections, within_s=0.0)
+
+
+def test_transactions_may_last_longer_while_more_is_held_than_they_have_time_for(plant: Database) -> None:
+    writer = OnlyOneAtATime(plant)
+    held = WriteBatch(writer, SourceBackoff())
+    for first in range(6):
+        held.take(arrived(piece(first, first + 1)))
+    held.store_all()
+    assert numbers(plant) == list(range(6))
+    short, longest = write_batch.LONGEST_TRANSACTION_S, write_batch.LONGEST_WHEN_BEHIND_S
+    assert writer.within_s == [short, 2 * short, 4 * short, longest, longest, longest]
+    for first in (6, 7):
+        held.take(arrived(piece(first, first + 1)))
+        held.store()
+    assert writer.within_s[6:] == [short, short]
 
 
 @few_examples
