@@ -16,7 +16,6 @@ from estimator.alignment.run_likelihood import run_likelihood
 from estimator.arrays import Floats
 from estimator.bearings.terms import TERMS
 from estimator.fit.problem.coordinates import Coordinates
-from estimator.fit.problem.prior import variance_between_runs
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.films import StaticLoad
@@ -157,8 +156,7 @@ def machine_spread(coordinates: Coordinates) -> Floats:
     Returns:
         Standard deviations (n,) [-].
     """
-    between_runs = variance_between_runs(coordinates.parameters, coordinates.size)
-    return np.asarray(np.sqrt(coordinates.spread**2 - between_runs))
+    return np.asarray(np.sqrt(coordinates.spread**2 - coordinates.between_runs))
 
 
 def machine_precision(coordinates: Coordinates) -> Floats:

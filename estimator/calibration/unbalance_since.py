@@ -10,17 +10,20 @@ factor by which gains may have drifted since, the unbalances take only the part 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
+import scipy
 from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.machine.calibration import Calibration
+from estimator.fit.validation.calibration_conflict import SMALLEST_CHANCE
+from estimator.machine.calibration import LASTING, Calibration
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 
 PARTS = np.array([1.0, 1.0j])
 """Factors (2,) that make a complex number of its real and imaginary part [-]."""
@@ -103,7 +106,10 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
     there, here = [calibration.parameters.index(one) for one in shared], [found.coordinates.index(one) for one in shared]
     values, carry = _carried(machine, dict(zip(shared, found.point[here].tolist(), strict=True)))
     known = carry @ np.array(calibration.covariance) @ carry.T
-    moved = np.diag(calibration.moved_since)
+    moved = np.diag(calibration.moved_since(machine.operation.healthy_variation))
+    if _coefficients_changed(shared, found.point[here] - values[there], (known + moved)[np.ix_(there, there)], found, here):
+        lasting = [place for place, name in enumerate(shared) if describe(name).element_kind in LASTING]
+        there, here = [there[place] for place in lasting], [here[place] for place in lasting]
     gain = _regression(known, moved, before, there)
     was = values[before] + gain @ (found.point[here] - values[there])
     uncertain = known[np.ix_(before, before)] - gain @ known[np.ix_(there, before)]
@@ -112,6 +118,25 @@ def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | No
     covariance = found.covariance[np.ix_(after, after)] + uncertain - mixed - mixed.T + moved[np.ix_(before, before)]
     parts = found.point[after] - was
     return UnbalanceSince(discs, parts[::2] + 1j * parts[1::2], covariance)
+
+
+def _coefficients_changed(
+    shared: Sequence[str], moved: Floats, before: Floats, found: FittedPoint, here: Sequence[int]
+) -> bool:
+    """Return whether a later run's coefficients are not those of the calibration: its unbalances do not follow these then.
+
+    moved: by how much its k shared parameters differ (k,); before: their covariance (k, k) with what varies from run to run.
+    here: their places in the later fit.
+    """
+    places = [place for place, name in enumerate(shared) if describe(name).term is not None]
+    if not places:
+        return False
+    square = np.ix_(places, places)
+    covariance = before[square] + found.covariance[np.ix_(here, here)][square]
+    size = np.sqrt(np.diag(covariance))
+    away = moved[places] / size
+    chi_square = float(away @ np.linalg.solve(covariance / np.outer(size, size), away))
+    return bool(scipy.special.chdtrc(len(places), chi_square) < SMALLEST_CHANCE)
 
 
 def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floats]:
@@ -137,7 +162,7 @@ def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floa
         [[names.index(f"disc.{disc.id}.unbalance.{part}") for part in ("real", "imaginary")] for disc in machine.discs]
     )
     # Against +x to +y an unbalance acts as its conjugate.
-    divided = (factor if machine.direction > 0 else factor.conjugate()) ** -_own_part(calibration, places, gains)
+    divided = (factor if machine.direction > 0 else factor.conjugate()) ** -_own_part(machine, calibration, places, gains)
     for rows, times, offset in ((places, factor, 1.0), (unbalances, divided, 0.0)):
         for row in rows:
             carried = times * (offset + complex(values[row] @ PARTS)) - offset
@@ -146,12 +171,12 @@ def _carried(machine: Machine, later: Mapping[str, float]) -> tuple[Floats, Floa
     return values, carry
 
 
-def _own_part(calibration: Calibration, places: NDArray[np.intp], gains: Complexes) -> float:
+def _own_part(machine: Machine, calibration: Calibration, places: NDArray[np.intp], gains: Complexes) -> float:
     """Return which part of the variance of the factor on all gains (m,) is the calibration's; the rest is their drift [-]."""
     weights = (PARTS / (gains[:, None] * gains.size)).reshape(-1)
     chosen = places.reshape(-1)
     own = float((weights @ np.array(calibration.covariance)[np.ix_(chosen, chosen)] @ weights.conj()).real)
-    drift = float(np.abs(weights) ** 2 @ calibration.moved_since[chosen])
+    drift = float(np.abs(weights) ** 2 @ calibration.moved_since(machine.operation.healthy_variation)[chosen])
     return own / (own + drift) if drift else 1.0
 
 

@@ -1,13 +1,22 @@
 """Identification of a machine: from measured phasors to estimates with uncertainties, or to the reason why there are none."""
 
+from collections.abc import Callable
+
 import numpy as np
+from msgspec import Struct
 from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.calibrated_scatter import with_calibrated_scatter
+from estimator.fit.changed_coefficients import (
+    changed_words,
+    without_coefficients_of_calibration,
+    without_gains_of_calibration,
+)
 from estimator.fit.conclusion import conclude, outliers_by_channel
 from estimator.fit.coupling_run_outs import RunOutFit, fit_with_run_outs
 from estimator.fit.fit_samples import (
+    NotEnoughData,
     carried_by_films,
     most_samples,
     require_more_than,
@@ -22,6 +31,7 @@ from estimator.fit.optimisation.nuisance_parameters import counted_by_effect, de
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem
 from estimator.fit.problem_setup import condensed_problem
+from estimator.fit.validation.calibration_conflict import calibration_conflict
 from estimator.fit.validation.goodness_of_fit import is_unfinished, judge
 from estimator.fit.validation.identifiability import Reasons, reasons_for
 from estimator.fit.validation.physical_limits import LimitsFunction, limits_for
@@ -107,6 +117,38 @@ def identify_train(
         SingularCondensation: The train cannot be condensed at a speed.
     """
     options = options or Options()
+
+    def fitted(train: CondensedTrain, beginning: Floats | None) -> _TrainFit:
+        return _fitted(train, measurement, noise, options, reasons, limits, beginning)
+
+    one = fitted(train, beginning)
+    if one.found.accepted:
+        return one.found
+    changed = _changed_since_calibration(one, fitted)
+    if changed is not None:
+        return changed
+    return one.found if one.other is None else _explained_by_run_outs(one.problem, one.found, one.other)
+
+
+class _TrainFit(Struct, frozen=True, eq=False):
+    """Fit of a train: its problem, the best of its starts, what is concluded, and a fit with run-outs of couplings."""
+
+    problem: FitProblem
+    best: BestFit
+    found: Identification
+    other: RunOutFit | None
+
+
+def _fitted(
+    train: CondensedTrain,
+    measurement: Measurement,
+    noise: Noise,
+    options: Options,
+    reasons: Reasons | None,
+    limits: LimitsFunction | None,
+    beginning: Floats | None,
+) -> _TrainFit:
+    """Fit a train as `identify_train` does, whatever may have changed since its calibration. Raises as it does."""
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
     by_prior = counted_by_effect(coordinates)
     by_prior[coordinates.scale_place] = True
@@ -125,7 +167,29 @@ def identify_train(
         best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
     found = conclude(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
-    return found if other is None or found.accepted else _explained_by_run_outs(problem, found, other)
+    return _TrainFit(problem, best, found, other)
+
+
+def _changed_since_calibration(
+    refused: _TrainFit, fitted: Callable[[CondensedTrain, Floats | None], _TrainFit]
+) -> Identification | None:
+    """Return a fit of a run that contradicts its calibration without the coefficients of this.
+
+    None where it is refused, where gains that changed explain the run as well, or no calibration is contradicted.
+    """
+    conflict = calibration_conflict(refused.problem, refused.best.fit)
+    if conflict is None:
+        return None
+    train, begin = refused.problem.train, refused.found.point
+    try:
+        freed = fitted(without_coefficients_of_calibration(train), begin).found
+        if not freed.accepted:
+            return None
+        if fitted(without_gains_of_calibration(train), begin).found.accepted:
+            return None
+    except NotEnoughData:  # what the calibration held is more than the run can tell
+        return None
+    return replace(freed, verdict=f"{freed.verdict}; {changed_words(conflict)}")
 
 
 def _best_first(problem: FitProblem, begin: Floats | None, options: Options) -> BestFit:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.fit.changed_coefficients import without_calibrated_coefficients
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.coupling_neighbours import neighbouring_bearings
@@ -110,7 +111,7 @@ def compare_misalignment(
     if found is None:
         raise KeyError(coupling)
     suspects = {f"coupling.{coupling}", *(f"bearing.{bearing}" for bearing in neighbouring_bearings(machine, found))}
-    healthy = with_identified_values(machine, baseline)
+    healthy = with_identified_values(without_calibrated_coefficients(machine), baseline)
     unchanged = _with_held_coefficients(healthy, baseline, set())
     views = [
         _view("unchanged", unchanged, measurement, baseline, set(), options),

@@ -90,6 +90,8 @@ class AlignmentTarget(Part):
 class HealthyVariation(Part):
     """Variation of a healthy machine on oil films, as standard deviations.
 
+    Of stiffness and damping it is that of calibrated machines on any bearings, too.
+
     Those from run to run are learnt from the baseline, from these on, which count as much as ten runs; that of unbalances as
     much as one component of one run, as each run shows all of them.
     """

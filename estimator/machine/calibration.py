@@ -1,6 +1,6 @@
 """Calibration of a machine: what runs with known unbalances have shown of it, from which every later fit starts."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Annotated, Self
 
 import numpy as np
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from estimator.field_types import Identifier, NotNegative, Part, Positive, Real, Text
+from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
 
 MOST_PARAMETERS = 400
@@ -17,6 +18,8 @@ LEAST_CORRELATION_EIGENVALUE = -1e-9
 
 MOST_DRIFT = 0.5
 """Largest drift of gains beside which a calibration says anything of them [-]."""
+LASTING = frozenset({"probe", "material", "disc"})
+"""Kinds of elements whose parameters a fault of a bearing or a coupling leaves as they are."""
 GainDrift = Annotated[
     NotNegative,
     Field(le=MOST_DRIFT, description="rms change of each channel's gain until a later run, in parts of it [-]"),
@@ -71,17 +74,42 @@ class Calibration(Part):
     gain_drift: GainDrift = 0.0
     verdict: Annotated[Text, Field(max_length=4000)] = Field(default="", description="what the calibration said of its fit")
 
-    @property
-    def moved_since(self) -> NDArray[np.float64]:
-        """Return the variance (n,) by which each parameter differs in a later run: mounted anew, gains drifted.
+    def moved_since(self, variation: HealthyVariation) -> NDArray[np.float64]:
+        """Return the variance (n,) by which each parameter differs in a later run of the healthy machine.
 
-        In squares of its unit.
+        It was mounted anew, gains drifted, and coefficients vary from run to run. In squares of its unit.
         """
         rms = {f"{one.name}.{part}": one.rms for one in self.mounting for part in ("real", "imaginary")}
         moved = np.array([rms.get(name, 0.0) ** 2 / 2.0 for name in self.parameters])
         for gain, places in self._gains():
             moved[places] += (self.gain_drift * abs(gain)) ** 2 / 2.0
-        return moved
+        return moved + self.between_runs(variation)
+
+    def between_runs(self, variation: HealthyVariation) -> NDArray[np.float64]:
+        """Return the variance (n,) of the coefficients of bearings, couplings and pedestals from run to run.
+
+        In squares of its unit.
+        """
+        by_order = (variation.stiffness, variation.damping)
+        found = np.zeros(len(self.parameters))
+        for row, (name, value) in enumerate(zip(self.parameters, self.values, strict=True)):
+            term = describe(name).term
+            if term is not None and term.order < len(by_order):
+                found[row] = (by_order[term.order] * (1.0 if term.direct else value)) ** 2
+        return found
+
+    def of_parameters(self, names: Collection[str]) -> "Calibration | None":
+        """Return what it holds of some of its parameters, the marginal of its joint Gaussian; None where it is nothing."""
+        rows = [row for row, name in enumerate(self.parameters) if name in names]
+        if not rows:
+            return None
+        return self.model_copy(
+            update={
+                "parameters": tuple(self.parameters[row] for row in rows),
+                "values": tuple(self.values[row] for row in rows),
+                "covariance": tuple(tuple(self.covariance[row][other] for other in rows) for row in rows),
+            }
+        )
 
     def _gains(self) -> Iterator[tuple[complex, list[int]]]:
         """Yield each channel's gain and the places of its parts."""

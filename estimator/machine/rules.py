@@ -108,7 +108,8 @@ class Operation(Part):
         default=(), description="alignment of couplings of a train on oil films as left cold, and its expected growth"
     )
     healthy_variation: HealthyVariation = Field(
-        default=HealthyVariation.model_construct(), description="of a train on oil films, as long as nothing happens to it"
+        default=HealthyVariation.model_construct(),
+        description="of a train on oil films, or a calibrated one, as long as nothing happens to it",
     )
 
     @model_validator(mode="after")

@@ -20,6 +20,7 @@ from estimator.fit.problem.channel_coordinates import ChannelCoordinates
 from estimator.fit.problem.placed_models import FollowingCoefficients, PlacedModel
 from estimator.fit.problem.prior import Prior, calibrated_prior, variance_between_runs
 from estimator.fit.problem.train_models import train_models
+from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.calibration import Calibration
 from estimator.quantities import Quantity
 from estimator.rotor.coefficient_models import expects_a_law
@@ -56,6 +57,7 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         guessed: True for direct terms whose expected value no document gave (K,).
         calibrated: Precision (n, n) of the prior [-] where a calibration gave it, in place of that of `spread`; else None.
         calibrated_places: Indices of the coordinates that the calibration holds.
+        between_runs: Part (n,) of the prior's variance by which each varies from run to run of one machine [-].
     """
 
     names: tuple[str, ...]
@@ -76,6 +78,7 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
     channels: ChannelCoordinates
     quantities: tuple[Quantity, ...]
     guessed: NDArray[np.bool_]
+    between_runs: Floats
     calibrated: Floats | None = None
     calibrated_places: tuple[int, ...] = ()
 
@@ -91,8 +94,9 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
             The coordinates.
         """
         found = _CoordinateBuilder(train, unbalance_scale).build()
-        calibration = None if train.machine is None else train.machine.calibration
-        return found if calibration is None else _calibrated(found, calibration)
+        if train.machine is None or train.machine.calibration is None:
+            return found
+        return _calibrated(found, train.machine.calibration, train.machine.operation.healthy_variation)
 
     @cached_property
     def nuisance(self) -> NDArray[np.bool_]:
@@ -232,19 +236,32 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         return result
 
 
-def _calibrated(coordinates: Coordinates, calibration: Calibration) -> Coordinates:
+def _calibrated(coordinates: Coordinates, calibration: Calibration, variation: HealthyVariation) -> Coordinates:
     """Return the coordinates with the calibration's values and joint covariance as the prior of those that it holds."""
-    names, origin, unit = coordinates.names, coordinates.origin, coordinates.unit
-    between_runs = variance_between_runs(coordinates.parameters, coordinates.size)
-    given = calibrated_prior(calibration, names=names, origin=origin, unit=unit, between_runs=between_runs)
+    given = calibrated_prior(
+        calibration,
+        names=coordinates.names,
+        origin=coordinates.origin,
+        unit=coordinates.unit,
+        between_runs=coordinates.between_runs,
+        variation=variation,
+    )
     if given is None:
         return coordinates
-    centre, spread = coordinates.centre.copy(), coordinates.spread.copy()
+    centre, spread, between_runs = coordinates.centre.copy(), coordinates.spread.copy(), coordinates.between_runs.copy()
     centre[given.places], spread[given.places] = given.centre, np.sqrt(np.diag(given.covariance))
+    between_runs[given.places] = given.between_runs
     precision = np.diag(spread**-2)
     precision[np.ix_(given.places, given.places)] = given.precision
     held = tuple(given.places.tolist())
-    return replace(coordinates, centre=centre, spread=spread, calibrated=precision, calibrated_places=held)
+    return replace(
+        coordinates,
+        centre=centre,
+        spread=spread,
+        between_runs=between_runs,
+        calibrated=precision,
+        calibrated_places=held,
+    )
 
 
 class _CoordinateBuilder:
@@ -307,6 +324,7 @@ class _CoordinateBuilder:
             guessed=np.array(
                 [c.direct and c.nominal is None and k not in following for k, c in enumerate(coefficients)], dtype=bool
             ),
+            between_runs=variance_between_runs(parameters, len(self.names)),
         )
 
     def _excitation(self, one: Excitation, scale: float) -> int:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
+from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.calibration import Calibration
 
 
@@ -56,11 +57,13 @@ class CalibratedPrior(Struct, frozen=True, eq=False):
         places: Indices (k,) of the coordinates.
         centre: Mean (k,) [-].
         covariance: Covariance (k, k) [-].
+        between_runs: Part (k,) of their variances by which coefficients vary from run to run [-].
     """
 
     places: NDArray[np.intp]
     centre: Floats
     covariance: Floats
+    between_runs: Floats
 
     @property
     def precision(self) -> Floats:
@@ -73,7 +76,13 @@ class CalibratedPrior(Struct, frozen=True, eq=False):
 
 
 def calibrated_prior(
-    calibration: Calibration, *, names: tuple[str, ...], origin: Floats, unit: Floats, between_runs: Floats
+    calibration: Calibration,
+    *,
+    names: tuple[str, ...],
+    origin: Floats,
+    unit: Floats,
+    between_runs: Floats,
+    variation: HealthyVariation,
 ) -> CalibratedPrior | None:
     """Return the prior that a calibration gives.
 
@@ -85,7 +94,8 @@ def calibrated_prior(
         names: Names of the n coordinates.
         origin: Offset (n,) of the physical values [SI, logarithms of positive ones].
         unit: Unit (n,) of the coordinates [SI, 1 for logarithms].
-        between_runs: Variance (n,) of each from run to run [-].
+        between_runs: Variance (n,) of each parameter of a model from run to run [-].
+        variation: Variation of the healthy machine, which its coefficients follow.
 
     Returns:
         The prior; None where the calibration holds none of these coordinates.
@@ -95,10 +105,11 @@ def calibrated_prior(
     if not rows:
         return None
     places = np.array([index[calibration.parameters[row]] for row in rows], dtype=np.intp)
-    whole = np.array(calibration.covariance) + np.diag(calibration.moved_since)
+    whole = np.array(calibration.covariance) + np.diag(calibration.moved_since(variation))
     covariance = whole[np.ix_(rows, rows)] / np.outer(unit[places], unit[places]) + np.diag(between_runs[places])
     centre = (np.array(calibration.values)[rows] - origin[places]) / unit[places]
-    return CalibratedPrior(places, centre, covariance)
+    varying = between_runs[places] + calibration.between_runs(variation)[rows] / unit[places] ** 2
+    return CalibratedPrior(places, centre, covariance, varying)
 
 
 def variance_between_runs(parameters: Sequence[ModelParameter], size: int) -> Floats:
