@@ -9,7 +9,9 @@ from msgspec.structs import replace
 from estimator.arrays import Floats
 from estimator.fit.calibrated_scatter import with_calibrated_scatter
 from estimator.fit.changed_coefficients import (
+    CLEAR,
     changed_words,
+    freed_criterion,
     without_coefficients_of_calibration,
     without_gains_of_calibration,
 )
@@ -138,6 +140,10 @@ class _TrainFit(Struct, frozen=True, eq=False):
     found: Identification
     other: RunOutFit | None
 
+    def criterion(self, *, held: int) -> float:
+        """Return the information criterion beside fits that a calibration of so many parameters holds otherwise [-]."""
+        return freed_criterion(self.problem, self.best.fit, held=held)
+
 
 def _fitted(
     train: CondensedTrain,
@@ -181,15 +187,18 @@ def _changed_since_calibration(
     if conflict is None:
         return None
     train, begin = refused.problem.train, refused.found.point
+    held = len(refused.problem.coordinates.calibrated_places)
     try:
-        freed = fitted(without_coefficients_of_calibration(train), begin).found
-        if not freed.accepted:
+        freed = fitted(without_coefficients_of_calibration(train), begin)
+        if not freed.found.accepted:
             return None
-        if fitted(without_gains_of_calibration(train), begin).found.accepted:
-            return None
+        with_gains = fitted(without_gains_of_calibration(train), begin)
     except NotEnoughData:  # what the calibration held is more than the run can tell
         return None
-    return replace(freed, verdict=f"{freed.verdict}; {changed_words(conflict)}")
+    clear = freed.criterion(held=held) < with_gains.criterion(held=held) - CLEAR
+    if with_gains.found.accepted and not clear:
+        return None
+    return replace(freed.found, verdict=f"{freed.found.verdict}; {changed_words(conflict)}")
 
 
 def _best_first(problem: FitProblem, begin: Floats | None, options: Options) -> BestFit:

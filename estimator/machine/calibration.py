@@ -77,7 +77,13 @@ class Calibration(Part):
     def moved_since(self, variation: HealthyVariation) -> NDArray[np.float64]:
         """Return the variance (n,) by which each parameter differs in a later run of the healthy machine.
 
-        It was mounted anew, gains drifted, and coefficients vary from run to run. In squares of its unit.
+        It was mounted anew, gains drifted, and coefficients vary from run to run.
+
+        Args:
+            variation: Variation of the healthy machine.
+
+        Returns:
+            Variances (n,) [squares of the parameters' units].
         """
         rms = {f"{one.name}.{part}": one.rms for one in self.mounting for part in ("real", "imaginary")}
         moved = np.array([rms.get(name, 0.0) ** 2 / 2.0 for name in self.parameters])
@@ -86,9 +92,13 @@ class Calibration(Part):
         return moved + self.between_runs(variation)
 
     def between_runs(self, variation: HealthyVariation) -> NDArray[np.float64]:
-        """Return the variance (n,) of the coefficients of bearings, couplings and pedestals from run to run.
+        """Return the variance of coefficients of bearings, couplings and pedestals from run to run.
 
-        In squares of its unit.
+        Args:
+            variation: Variation of the healthy machine.
+
+        Returns:
+            Variances (n,), 0 of other parameters [squares of the parameters' units].
         """
         by_order = (variation.stiffness, variation.damping)
         found = np.zeros(len(self.parameters))
@@ -99,7 +109,14 @@ class Calibration(Part):
         return found
 
     def of_parameters(self, names: Collection[str]) -> "Calibration | None":
-        """Return what it holds of some of its parameters, the marginal of its joint Gaussian; None where it is nothing."""
+        """Return what it holds of some of its parameters: the marginal of its joint Gaussian.
+
+        Args:
+            names: Names of the parameters to keep.
+
+        Returns:
+            The calibration; None where it holds none of them.
+        """
         rows = [row for row, name in enumerate(self.parameters) if name in names]
         if not rows:
             return None

@@ -34,6 +34,13 @@ FITS: Mapping[str, str] = {
     "the run fits the document's calibration badly (χ²/dof with it {reduced}": (
         "der Lauf passt schlecht zur Kalibrierung des Dokuments (χ²/Freiheitsgrad mit ihr {reduced}"
     ),
+    (
+        "bearings or couplings have changed since the calibration: their coefficients are fitted without it, measuring chains "
+        "and materials with it (with all of it χ²/dof {reduced})"
+    ): (
+        "Lager oder Kupplungen haben sich seit der Kalibrierung geändert: Ihre Koeffizienten sind ohne sie angepasst, "
+        "Messketten und Werkstoffe mit ihr (mit allem χ²/Freiheitsgrad {reduced})"
+    ),
     "{name} furthest from it, by {errors} standard errors": "{name} am weitesten von ihr, um {errors} Standardfehler",
     "{name} furthest from it, by {errors} standard errors): {rest}": (
         "{name} am weitesten von ihr, um {errors} Standardfehler): {rest}"

@@ -18,6 +18,7 @@ export const STORED_SENTENCES: Readonly<Record<string, Readonly<Record<string, s
     "intervals are widened": "Vertrauensbereiche sind verbreitert",
     "the run contradicts the document's calibration: if something has changed since, calibrate again or take `calibration` out (χ²/dof with it {reduced}": "der Lauf widerspricht der Kalibrierung des Dokuments: Falls sich seither etwas geändert hat, neu kalibrieren oder `calibration` herausnehmen (χ²/Freiheitsgrad mit ihr {reduced}",
     "the run fits the document's calibration badly (χ²/dof with it {reduced}": "der Lauf passt schlecht zur Kalibrierung des Dokuments (χ²/Freiheitsgrad mit ihr {reduced}",
+    "bearings or couplings have changed since the calibration: their coefficients are fitted without it, measuring chains and materials with it (with all of it χ²/dof {reduced})": "Lager oder Kupplungen haben sich seit der Kalibrierung geändert: Ihre Koeffizienten sind ohne sie angepasst, Messketten und Werkstoffe mit ihr (mit allem χ²/Freiheitsgrad {reduced})",
     "{name} furthest from it, by {errors} standard errors": "{name} am weitesten von ihr, um {errors} Standardfehler",
     "{name} furthest from it, by {errors} standard errors): {rest}": "{name} am weitesten von ihr, um {errors} Standardfehler): {rest}",
     "the gain of {channel} fits best at {factor} times its calibrated value, turned by {angle}°): {rest}": "die Verstärkung von {channel} passt am besten beim {factor}-Fachen ihres kalibrierten Werts, um {angle}° gedreht): {rest}",
