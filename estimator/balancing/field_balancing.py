@@ -94,7 +94,7 @@ class FieldBalancing:
         correction: The correction in these planes.
         known: Influence coefficients of all planes with trial weights that can be told apart, corrected in or not.
         splits: Masses by plane, where its places are known.
-        before: Residual unbalance before the correction by rotor.
+        before: Residual unbalance before the correction by rotor; not known on a rotor with a disc of which it is not.
         after: Residual unbalance predicted after it.
         notes: Sentences on what is doubtful.
     """
@@ -111,6 +111,11 @@ class FieldBalancing:
     before: tuple[RotorBalance, ...]
     after: tuple[RotorBalance, ...]
     notes: tuple[str, ...]
+
+    @property
+    def unknown_discs(self) -> tuple[str, ...]:
+        """Return the discs whose own unbalance the runs do not tell."""
+        return tuple(disc.id for disc in self.machine.discs if disc.id not in self.known.planes)
 
     @property
     def unbalance(self) -> Complexes:
@@ -268,7 +273,9 @@ def vectors_of(machine: Machine, runs: Sequence[BalancingRun], speed: Floats) ->
 
 
 def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Complexes) -> tuple[RotorBalance, ...]:
-    """Judge residual unbalances in all planes whose influence is known (ISO 21940-11).
+    """Judge residual unbalances of the rotors (ISO 21940-11).
+
+    A rotor's are not known where one of its discs had no trial run, or cannot be told apart from others.
 
     Args:
         found: The correction, for these planes and what was asked.
@@ -276,7 +283,7 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
         covariance: Their covariance (Q, Q), E[e eᴴ], of the widths that intervals shall have [kg² m²].
 
     Returns:
-        One balance per rotor that has such a plane.
+        One balance per rotor that has discs and two bearings or more.
     """
     discs = [disc.id for disc in found.machine.discs]
     rows = [discs.index(plane) for plane in found.known.planes]
@@ -289,7 +296,6 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
             one = turned[row, column]
             whole[disc, :, other, :] = [[one.real, -one.imag], [one.imag, one.real]]
     speed = found.service_speed
-    shafts = {found.machine.discs[row].shaft for row in rows}
     judged = balance_of_unbalances(
         found.machine,
         unbalance=unbalance,
@@ -298,7 +304,21 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
         service_speed=speed,
         maximum_continuous_speed=speed,
     )
-    return tuple(one for one in judged if one.shaft in shafts)
+    shafts = {disc.shaft for disc in found.machine.discs}
+    return tuple(_as_far_as_known(found, one) for one in judged if one.shaft in shafts)
+
+
+def _as_far_as_known(found: FieldBalancing, rotor: RotorBalance) -> RotorBalance:
+    """Return a rotor's balance with what is not known of it: residuals are zero where they were never looked for."""
+    own = [disc.id for disc in found.machine.discs if disc.shaft == rotor.shaft and disc.id in found.unknown_discs]
+    untried = [disc for disc in own if disc not in found.runs.planes]
+    alike = [disc for disc in own if disc in found.runs.planes]
+    untold = "; ".join(
+        [f"plane {disc} had no trial run" for disc in untried]
+        + [f"plane {disc} cannot be told apart from others, or from the scatter" for disc in alike]
+    )
+    first, second = (replace(one, untold=untold, is_whole=not found.unknown_discs) for one in rotor.planes)
+    return replace(rotor, planes=(first, second))
 
 
 def _speeds(machine: Machine, runs: Sequence[BalancingRun], asked: BalancingOptions) -> Floats:

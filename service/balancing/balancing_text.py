@@ -93,7 +93,8 @@ def _residual(found: FieldBalancing, check: BalancingCheck | None, language: Lan
 
 def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[str]:
     for planes in zip(*(rotor.planes for rotor in rotors), strict=True):
-        shown = "; ".join(_plane(one, language) for one in planes)
+        states = planes[:1] if planes[0].untold else planes  # what is not known is so in all states
+        shown = "; ".join(_plane(one, language) for one in states)
         first = planes[0]
         permissible = language.digits(_three(first.iso_permissible / GRAM_MILLIMETRE))
         told = language.translate("balancing.permissible", amount=permissible, planes=shown)
@@ -101,6 +102,8 @@ def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[st
 
 
 def _plane(one: PlaneBalance, language: Language) -> str:
+    if one.untold:
+        return language.translate("balancing.untold", why=in_language(one.untold, language))
     return language.translate(
         "balancing.plane",
         amount=language.digits(_g_mm(one.unbalance, one.iso_permissible)),

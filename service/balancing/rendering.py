@@ -131,9 +131,13 @@ def _plane(shaft: str, plane: PlaneBalance) -> dict[str, Any]:
 
 
 def _residual(plane: PlaneBalance) -> dict[str, Any]:
+    if plane.untold:
+        nothing = dict.fromkeys(("g_mm", "upper_g_mm", "reached_grade"))
+        return nothing | {"verdict": plane.iso, "untold": plane.untold}
     return {
         "g_mm": abs(plane.unbalance) / GRAM_MILLIMETRE,
         "upper_g_mm": plane.upper / GRAM_MILLIMETRE,
         "reached_grade": plane.grade,
         "verdict": plane.iso,
+        "untold": "",
     }

@@ -157,6 +157,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "as a rigid rotor, from {planes}: before, predicted after",
     "balancing.permissible": "permissible {amount}: {planes}",
     "balancing.plane": "{amount} (below {upper}), G {grade}, {verdict}",
+    "balancing.untold": "cannot be told: {why}",
     "balancing.check": "Check run {name}: {kept} of {points} points within the prediction for the weights that were on",
     "balancing.limit_by_check": "limit of the document: {verdict}",
     "balancing.trim": "further correction, with what this run adds: plane, unbalance to add [g mm] at angle [°]",

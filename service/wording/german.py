@@ -160,6 +160,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "Rotor, aus {planes}: vorher, nachher vorausgesagt",
     "balancing.permissible": "zulässig {amount}: {planes}",
     "balancing.plane": "{amount} (unter {upper}), G {grade}, {verdict}",
+    "balancing.untold": "lässt sich nicht angeben: {why}",
     "balancing.check": "Kontrolllauf {name}: {kept} von {points} Punkten innerhalb der Voraussage für die angebrachten Massen",
     "balancing.limit_by_check": "Grenze des Dokuments: {verdict}",
     "balancing.trim": "weiterer Ausgleich, mit dem, was dieser Lauf hinzufügt: Ebene, hinzuzufügende Unwucht "

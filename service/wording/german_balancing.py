@@ -79,6 +79,11 @@ BALANCING: Mapping[str, str] = {
         "auf {discs} war keine Testmasse: die Wirkung ihrer Unwuchten zählt, als käme sie von {planes}, auch in der "
         "Restunwucht"
     ),
+    "plane {disc} had no trial run": "Ebene {disc} hatte keinen Testlauf",
+    "plane {disc} cannot be told apart from others, or from the scatter": (
+        "Ebene {disc} lässt sich nicht von anderen oder von der Streuung unterscheiden"
+    ),
+    "not known": "nicht bekannt",
     (
         "no run was repeated: intervals and promises hold the noise of the vectors, but not how the rotor settles anew at "
         "each start"

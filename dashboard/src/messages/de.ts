@@ -447,6 +447,7 @@ export const de: Record<Key, string> = {
   permissible: "Zulässig",
   before: "Vorher",
   predictedAfter: "Vorhergesagt nachher",
+  residualUntold: "nicht anzugeben: {why}",
   residualVerdict: "{amount} g·mm, unter {upper}: {verdict}",
   checkRunText: "Kontrolllauf {run}, {time} durch {by}, {on}: {kept} von {points} Punkten innerhalb der Vorhersage. Zum Nachwuchten anbringen: {weights}.",
   trialWeightsStillOn: "Die Massen von Testlauf {run} sind auch noch angebracht",

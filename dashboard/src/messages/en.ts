@@ -446,6 +446,7 @@ export const en = {
   permissible: "Permissible",
   before: "Before",
   predictedAfter: "Predicted after",
+  residualUntold: "cannot be told: {why}",
   residualVerdict: "{amount} g·mm, below {upper}: {verdict}",
   checkRunText: "Check run {run}, {time} by {by}, {on}: {kept} of {points} points within the prediction. To trim, add {weights}.",
   trialWeightsStillOn: "The weights of trial run {run} are still on, too",

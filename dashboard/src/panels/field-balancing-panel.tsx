@@ -272,6 +272,7 @@ function ResidualUnbalances({ found, check }: { found: ProposedCorrection; check
 }
 
 function residualText(one: Residual): string {
+  if (one.g_mm === null || one.upper_g_mm === null) return t("residualUntold", { why: stored(one.untold) });
   return t("residualVerdict", { amount: number(one.g_mm), upper: number(one.upper_g_mm), verdict: stored(one.verdict) });
 }
 

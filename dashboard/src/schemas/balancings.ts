@@ -20,11 +20,13 @@ export interface CorrectionPlane extends Weight {
 
 export type BalanceVerdict = "met" | "not met" | "open";
 
+/** untold: why it is not known; its numbers are null then. */
 export interface Residual {
-  g_mm: number;
-  upper_g_mm: number;
-  reached_grade: number;
-  verdict: BalanceVerdict;
+  g_mm: number | null;
+  upper_g_mm: number | null;
+  reached_grade: number | null;
+  verdict: BalanceVerdict | "not known";
+  untold: string;
 }
 
 interface BearingPlane {

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from estimator.balancing.balancing_check import LimitVerdict
 from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
 from estimator.machine.disc_scale import DiscScale
@@ -240,10 +241,11 @@ class ChannelEffectOut(BaseModel):
 class ResidualOut(BaseModel):
     """Residual unbalance in a bearing plane as that of a rigid rotor, by ISO 21940-11."""
 
-    g_mm: float
-    upper_g_mm: float
-    reached_grade: float
+    g_mm: float | None = Field(description="null where it is not known")
+    upper_g_mm: float | None
+    reached_grade: float | None
     verdict: PlaneVerdict
+    untold: str = Field(default="", description="why it is not known, in words")
 
 
 class ResidualPlaneOut(BaseModel):
@@ -303,7 +305,7 @@ class CorrectionOut(BaseModel):
     planes: list[CorrectionPlaneOut]
     channels: list[ChannelEffectOut]
     limit_um_pp: float | None = Field(description="the document's vibration limit")
-    limit_verdict: PlaneVerdict | None
+    limit_verdict: LimitVerdict | None
     residual: list[ResidualPlaneOut]
     vectors: list[PointVectors]
 

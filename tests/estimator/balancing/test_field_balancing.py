@@ -13,6 +13,7 @@ from estimator.balancing.vectors_at_speeds import NoCommonSpeed
 from estimator.balancing.weight_places import WeightPlaces
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
+from estimator.updated_model.balance_quality import RotorBalance
 from tests.estimator.trains import chapter_3_document, dense_response, mirrored, noisy
 
 SPEED = np.linspace(160.0, 100.0, 40)
@@ -171,3 +172,38 @@ def test_runs_without_a_common_speed_and_speeds_outside_the_range_are_named() ->
         balance_from_trials(machine, initial, [elsewhere])
     with pytest.raises(TrialsUnusable, match="7000 r/min lies outside the document's range, 90 to 6000 r/min"):
         balance_from_trials(machine, initial, [elsewhere], options=BalancingOptions(speed=np.array([7000 * np.pi / 30])))
+
+
+def residual_verdicts(found: tuple[RotorBalance, ...]) -> dict[str, str]:
+    return {plane.bearing: plane.iso for rotor in found for plane in rotor.planes}
+
+
+def test_the_residual_unbalance_of_a_disc_without_a_trial_run_is_not_known() -> None:
+    """It was met with 0 g mm by construction: of the 120 g mm on D2 nobody had measured anything."""
+    said = document()
+    initial, trials = runs(said)
+    tried = [run for run in trials if run.name != "trial D2"]
+    options = BalancingOptions(grade=40.0)
+    found = balance_from_trials(parse_machine(said), initial, tried, options=options)
+    check = check_balancing(found, run_of(said, "check", dict(zip(found.separation.planes, found.unbalance, strict=True))))
+    for state in (found.before, found.after, check.residual):
+        verdicts = residual_verdicts(state)
+        assert verdicts["B1"] == verdicts["B2"] == "not known"
+        assert "met" not in verdicts.values(), "what D2 does counts in the other rotor, too"
+        assert state[0].planes[0].untold == "plane D2 had no trial run"
+    whole = balance_from_trials(parse_machine(said), initial, trials, options=options)
+    assert set(residual_verdicts(whole.after).values()) == {"met"}
+
+
+def test_the_residual_unbalance_of_a_plane_that_is_left_out_is_not_known() -> None:
+    """A weight on D1 that is said to be on D2 does what one on D1 does."""
+    said = document()
+    initial, trials = runs(said)
+    beside = run_of(said, "beside", {"D1": 0.9e-4 + 0j}, seed=7)
+    wrong = BalancingRun("beside", beside.measurement.with_trial_weight(np.array([0, 0.9e-4, 0, 0], dtype=complex)))
+    found = balance_from_trials(
+        parse_machine(said), initial, [trials[0], wrong, *trials[2:]], options=BalancingOptions(grade=40.0)
+    )
+    (left_out,) = found.separation.left_out
+    assert found.after[0].planes[0].untold == f"plane {left_out} cannot be told apart from others, or from the scatter"
+    assert "met" not in residual_verdicts(found.after).values()

@@ -186,3 +186,12 @@ def test_planes_that_cannot_be_told_apart_are_named(runs: list[str], tmp_path: P
 
 def test_a_file_that_is_given_twice_is_no_repeat(runs: list[str]) -> None:
     assert "hold the same vectors: one is a copy" in run("balance", *runs, runs[2], status=1)
+
+
+def test_residual_unbalance_of_a_rotor_with_an_untried_disc_is_not_told(runs: list[str], tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    text = run("balance", *runs[:3], *runs[4:], "--grade", "40", "--page", str(page), "--locale", "de")
+    residual = text.partition("Residual unbalance")[2]
+    assert residual.count("cannot be told: plane D2 had no trial run") == 2
+    assert ", met" not in residual
+    assert "lässt sich nicht angeben: Ebene D2 hatte keinen Testlauf" in page.read_text(encoding="utf-8")

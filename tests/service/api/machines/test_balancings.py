@@ -448,3 +448,14 @@ def test_a_correction_is_computed_in_another_process_and_in_no_transaction(
     bare = api("POST", f"{PATH}/{begun}/correction", 422, json={"discs": ["D9"], "by": "Ada"})["detail"]
     assert "there is no disc D9" in bare
     assert found == [("compute_correction", False, 0), ("compute_check", False, 0)]
+
+
+def test_residual_unbalance_of_a_rotor_without_a_trial_run_is_not_known(store: Database, api: Api) -> None:
+    first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    api("POST", f"{here}/trials", json={"run": second, "weights": WEIGHTS["D1"], "by": "Ada"})
+    found = api("POST", f"{here}/correction", json={"grade": 1000, "by": "Ada"})["correction"]["residual"]
+    untold = {"g_mm": None, "upper_g_mm": None, "reached_grade": None, "verdict": "not known"}
+    other = {one["bearing"]: one["after"] for one in found if one["shaft"] == "S2"}
+    assert other["B3"] == other["B4"] == untold | {"untold": "plane D2 had no trial run"}
+    assert {one["after"]["verdict"] for one in found if one["shaft"] == "S1"} == {"open"}
