@@ -16,17 +16,12 @@ from estimator.balancing.field_balancing import (
     ROUNDING,
     BalancingRun,
     FieldBalancing,
-    mass_of_rotors,
     residual_balance,
     vectors_of,
 )
 from estimator.balancing.influence_correction import correct
-from estimator.balancing.trial_runs import (
-    TrialsUnusable,
-    are_copies,
-    in_sense_of_rotation,
-    require_plausible_weight,
-)
+from estimator.balancing.plausible_weights import require_plausible_weights
+from estimator.balancing.trial_runs import TrialsUnusable, are_copies, in_sense_of_rotation
 from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 
@@ -140,8 +135,5 @@ def _installed(found: FieldBalancing, run: BalancingRun) -> Complexes:
     other = [disc for disc, one in zip(discs, run.added, strict=True) if one != 0.0 and disc not in planes]
     if other:
         raise TrialsUnusable(f"{run.name}: weights on {', '.join(other)}, where nothing was to be corrected")
-    installed = np.array([run.added[discs.index(plane)] for plane in planes])
-    mass = mass_of_rotors(found.machine)
-    for plane, size in zip(planes, np.abs(installed).tolist(), strict=True):
-        require_plausible_weight(size, name=run.name, plane=plane, mass=mass)
-    return installed
+    require_plausible_weights(found.machine, run.added, name=run.name)
+    return np.array([run.added[discs.index(plane)] for plane in planes])

@@ -16,20 +16,19 @@ from estimator.balancing.influence_choice import ChosenInfluence, InfluenceMetho
 from estimator.balancing.influence_correction import InfluenceCorrection, correct
 from estimator.balancing.measured_influence import MeasuredInfluence
 from estimator.balancing.plane_separation import PlaneSeparation, separate_planes
+from estimator.balancing.plausible_weights import doubtful_corrections, require_plausible_weights, underrated_trials
 from estimator.balancing.trial_runs import (
     TrialRuns,
     TrialsUnusable,
     in_sense_of_rotation,
-    require_plausible_weights,
     weak_trials,
 )
 from estimator.balancing.vectors_at_speeds import common_speeds, vectors_at
 from estimator.balancing.weight_places import SplitWeight, WeightPlaces, split_weight
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
-from estimator.rotor.assembly import assemble_rotor
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.balance_quality import RotorBalance, balance_of_unbalances, mass_and_centre
+from estimator.updated_model.balance_quality import RotorBalance, balance_of_unbalances
 
 ROUNDING = 1e-9
 """Part of a speed, or of a weight, by which rounding may change it [-]."""
@@ -154,10 +153,9 @@ def balance_from_trials(
         BalancingFailed: No best correction was found within the limits.
     """
     asked = options or BalancingOptions()
-    _require_weights(trials)
+    _require_weights(machine, trials)
     speed = _speeds(machine, [*initial, *trials], asked)
     every, left_points = vectors_of(machine, [*initial, *trials], speed).determined()
-    require_plausible_weights(every, mass=mass_of_rotors(machine))
     choice = choose_influence(every, model=_at_points(every, speed, machine, model), method=asked.method)
     separation = separate_planes(choice.influence.pick(_planes(machine, every, asked)))
     if not separation.planes:
@@ -178,28 +176,17 @@ def balance_from_trials(
         notes=(
             *separation.words,
             *weak_trials(every),
+            *underrated_trials(machine, every),
             *_point_notes(left_points),
             *_disc_notes(machine, every),
             *_repeat_notes(choice),
         ),
     )
-    return _with_residuals(found)
+    doubts = doubtful_corrections(machine, separation.planes, found.unbalance, speed=found.service_speed)
+    return _with_residuals(replace(found, notes=(*found.notes, *doubts)))
 
 
-def mass_of_rotors(machine: Machine) -> float:
-    """Compute the mass that trial weights are compared with.
-
-    Args:
-        machine: The machine.
-
-    Returns:
-        Mass of all rotors of the train [kg].
-    """
-    rotor = assemble_rotor(machine)
-    return float(sum(mass_and_centre(rotor, shaft.id)[0] for shaft in machine.shafts))
-
-
-def _require_weights(trials: Sequence[BalancingRun]) -> None:
+def _require_weights(machine: Machine, trials: Sequence[BalancingRun]) -> None:
     if not trials:
         raise TrialsUnusable("no run has a trial weight: a correction needs the initial run and a trial on each plane")
     for run in trials:
@@ -207,6 +194,7 @@ def _require_weights(trials: Sequence[BalancingRun]) -> None:
             raise TrialsUnusable(
                 f"{run.name} states no trial weight: its sidecar, or the request, needs the disc, amount and angle"
             )
+        require_plausible_weights(machine, run.added, name=run.name)
 
 
 def _proposal(

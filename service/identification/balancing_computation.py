@@ -13,9 +13,9 @@ from estimator.balancing.field_balancing import (
     BalancingRun,
     FieldBalancing,
     balance_from_trials,
-    mass_of_rotors,
 )
-from estimator.balancing.trial_runs import TrialsUnusable, require_plausible_weight
+from estimator.balancing.plausible_weights import require_plausible_weights
+from estimator.balancing.trial_runs import TrialsUnusable
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
@@ -55,7 +55,8 @@ def compute_check(task: BalancingTask, run: BalancingRun) -> dict[str, Any]:
 
 def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[BalancingRun]) -> None:
     """Raise TrialsUnusable, before the next run is made, for weights in a wrong unit or that cancel, and for a copied run."""
-    _require_plausible_weights(machine, run)
+    if run.added is not None:
+        require_plausible_weights(machine, run.added, name=run.name)
     if run.added is None or np.max(np.abs(run.added)) < CANCELLED:
         raise TrialsUnusable(
             f"{run.name}: its weights cancel each other, and a trial needs one that is felt: state all that was on"
@@ -66,13 +67,6 @@ def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[B
                 f"{other.name} and {run.name} hold the same vectors: one is a copy of the other, not a run with another trial "
                 "weight"
             )
-
-
-def _require_plausible_weights(machine: Machine, run: BalancingRun) -> None:
-    """Raise TrialsUnusable for a weight in a wrong unit."""
-    mass, added = mass_of_rotors(machine), run.added
-    for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=added is not None):
-        require_plausible_weight(one, name=run.name, plane=disc.id, mass=mass)
 
 
 def _is_copy(one: Measurement, other: Measurement) -> bool:

@@ -85,6 +85,20 @@ BALANCING: Mapping[str, str] = {
     ),
     "not known": "nicht bekannt",
     (
+        "{amount} g mm on {plane} would be G {grade} of its rotor, {mass} kg, where rotors that run are far below: is the "
+        "trial weights' unit right?"
+    ): (
+        "{amount} g mm auf {plane} wären G {grade} des Rotors, {mass} kg, und laufende Rotoren liegen weit darunter: stimmt "
+        "die Einheit der Testmassen?"
+    ),
+    (
+        "{run} differs from {other} by {change} µm, where its weights move the centre of mass by {shift} µm: were they "
+        "heavier, or in a larger unit?"
+    ): (
+        "{run} unterscheidet sich von {other} um {change} µm, wo seine Massen den Schwerpunkt um {shift} µm verschieben: "
+        "waren sie schwerer oder in einer größeren Einheit?"
+    ),
+    (
         "no run was repeated: intervals and promises hold the noise of the vectors, but not how the rotor settles anew at "
         "each start"
     ): (

@@ -207,3 +207,47 @@ def test_the_residual_unbalance_of_a_plane_that_is_left_out_is_not_known() -> No
     (left_out,) = found.separation.left_out
     assert found.after[0].planes[0].untold == f"plane {left_out} cannot be told apart from others, or from the scatter"
     assert "met" not in residual_verdicts(found.after).values()
+
+
+def heavier(run: BalancingRun, factor: float) -> BalancingRun:
+    """The same run, with its weights stated in a unit that is larger by a factor."""
+    assert run.added is not None
+    return BalancingRun(run.name, run.measurement.with_trial_weight(factor * run.added))
+
+
+@pytest.mark.parametrize(
+    ("factor", "message"),
+    [
+        (1e6, r"100 kg m on D1 would move the centre of mass of its rotor, .* in another unit\? 100 g mm are 0.0001 kg m"),
+        (1e3, r"0.1 kg m on D1 would move .* by 1\d.* mm; is it in another unit\? 0.1 kg mm \(100 g mm\) are 0.0001 kg m"),
+    ],
+)
+def test_a_trial_weight_is_judged_by_the_rotor_that_bears_it(factor: float, message: str) -> None:
+    """The mass of the whole train let pass what no single rotor bears."""
+    said = document()
+    initial, trials = runs(said)
+    with pytest.raises(TrialsUnusable, match=message):
+        balance_from_trials(parse_machine(said), initial, [heavier(trials[0], factor), *trials[1:]])
+
+
+def test_a_correction_that_no_running_rotor_needs_is_doubted() -> None:
+    """Trial weights in g in that were said to be in the next larger unit pass alone; what they lead to does not."""
+    said = document()
+    for disc in said["discs"]:
+        disc["unbalance"]["magnitude"] *= 3.0
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, [heavier(run, 25.4) for run in trials])
+    doubts = [one for one in found.notes if "is the trial weights' unit right?" in one]
+    assert doubts
+    amount = float(f"{1e6 * abs(found.unbalance[0]):.4g}")
+    assert doubts[0].startswith(f"{amount:.12g} g mm on {found.separation.planes[0]} would be G ")
+    usual = balance_from_trials(parse_machine(said), initial, trials)
+    assert not any("unit" in one for one in usual.notes)
+
+
+def test_a_trial_weight_that_is_stated_far_too_small_is_doubted() -> None:
+    said = document()
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, [heavier(run, 1e-3 / 25.4) for run in trials])
+    doubts = [one for one in found.notes if "were they heavier, or in a larger unit?" in one]
+    assert len(doubts) == 4
