@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from estimator.arrays import Complexes, Floats
 from estimator.balancing.balancing_check import check_balancing
 from estimator.balancing.field_balancing import (
     BalancingOptions,
@@ -14,12 +13,13 @@ from estimator.balancing.field_balancing import (
     FieldBalancing,
     balance_from_trials,
 )
+from estimator.balancing.model_influence import measured_model_influence
 from estimator.balancing.plausible_weights import require_plausible_weights
 from estimator.balancing.trial_runs import TrialsUnusable
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
-from estimator.updated_model.balancing import BalancingFailed, influence_coefficients
+from estimator.updated_model.balancing import BalancingFailed
 from service.balancing.rendering import check_fields, correction_fields
 from service.identification.stored_model import Identified
 
@@ -75,14 +75,8 @@ def _is_copy(one: Measurement, other: Measurement) -> bool:
 
 def _balanced(task: BalancingTask) -> FieldBalancing:
     one = task.model
-
-    def influence(planes: tuple[str, ...], speed: Floats) -> Complexes:
-        assert one is not None
-        return influence_coefficients(one.model, planes=planes, speed=speed)
-
+    model = None if one is None else measured_model_influence(one.model, one.machine, one.coordinates, one.point)
     try:
-        return balance_from_trials(
-            task.machine, task.initial, task.trials, options=task.options, model=None if one is None else influence
-        )
+        return balance_from_trials(task.machine, task.initial, task.trials, options=task.options, model=model)
     except BalancingFailed as error:
         raise CorrectionImpossible(str(error)) from error

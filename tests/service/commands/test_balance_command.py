@@ -195,3 +195,14 @@ def test_residual_unbalance_of_a_rotor_with_an_untried_disc_is_not_told(runs: li
     assert residual.count("cannot be told: plane D2 had no trial run") == 2
     assert ", met" not in residual
     assert "lässt sich nicht angeben: Ebene D2 hatte keinen Testlauf" in page.read_text(encoding="utf-8")
+
+
+def test_several_mountings_in_one_file_are_told_where_the_model_takes_them_for_one(runs: list[str], tmp_path: Path) -> None:
+    again = [recorded(tmp_path, f"again-{disc}", {disc: (80.0, 120.0)}, seed=at) for at, disc in enumerate(TRIALS, 30)]
+    file = Path(runs[1])
+    lines = file.read_text(encoding="utf-8").splitlines()
+    rows = [f"{line},{'mounting' if not at else 'A' if at < 20 else 'B'}" for at, line in enumerate(lines)]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    sidecar = file.with_suffix(".yaml")
+    sidecar.write_text(sidecar.read_text(encoding="utf-8") + "mounting: mounting\n", encoding="utf-8")
+    assert "mountings as if all had one unbalance" in run("balance", *runs, *again, "--model")
