@@ -23,7 +23,7 @@ from estimator.balancing.trial_runs import (
     in_sense_of_rotation,
     weak_trials,
 )
-from estimator.balancing.vectors_at_speeds import common_speeds, vectors_at
+from estimator.balancing.vectors_at_speeds import WINDOW, common_speeds, vectors_at
 from estimator.balancing.weight_places import SplitWeight, WeightPlaces, split_weight
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
@@ -317,7 +317,27 @@ def _speeds(machine: Machine, runs: Sequence[BalancingRun], asked: BalancingOpti
     if asked.speed is None:
         return common_speeds([run.measurement for run in runs], lowest=lowest, highest=highest)
     _require_in_range(machine, asked.speed, "")
-    return np.sort(np.asarray(asked.speed, dtype=float))
+    _require_recorded(runs, asked.speed)
+    # Measuring points are told to 1 r/min: speeds nearer to each other are one.
+    _, first = np.unique(np.round(rad_per_s_to_rpm(1.0) * asked.speed), return_index=True)
+    return np.asarray(asked.speed, dtype=float)[first]
+
+
+def _require_recorded(runs: Sequence[BalancingRun], speed: Iterable[float]) -> None:
+    """Check for speeds [rad/s] that fewer than two runs have. Raises TrialsUnusable."""
+    recorded = [run.measurement.speed for run in runs]
+    unseen = [
+        rad_per_s_to_rpm(one) for one in speed if sum(bool(np.any(np.abs(own - one) <= WINDOW * one)) for own in recorded) < 2
+    ]
+    if unseen:
+        known = "; ".join(
+            f"{run.name} has {rad_per_s_to_rpm(float(own.min())):.0f} to {rad_per_s_to_rpm(float(own.max())):.0f} r/min"
+            for run, own in zip(runs, recorded, strict=True)
+            if own.size
+        )
+        raise TrialsUnusable(
+            f"{', '.join(f'{one:.6g}' for one in unseen)} r/min was not recorded by two runs, within {100 * WINDOW:g} %: {known}"
+        )
 
 
 def _range(machine: Machine) -> tuple[float, float]:

@@ -265,8 +265,8 @@ def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
     mountings = {(file, one) for file in files for one in read_circumstances(file).mounting}
     if len(mountings) > len(files):
         print_line(
-            f"the model is identified from {len(mountings)} mountings as if all had one unbalance: it is the better the less they "
-            "differ; `rundown calibrate` tells them apart",
+            f"the model is identified from {len(mountings)} mountings as if all had one unbalance: the less they differ "
+            "the better it is; `rundown calibrate` tells them apart",
             err=True,
         )
     if not result.accepted:

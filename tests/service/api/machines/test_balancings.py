@@ -459,3 +459,30 @@ def test_residual_unbalance_of_a_rotor_without_a_trial_run_is_not_known(store: D
     other = {one["bearing"]: one["after"] for one in found if one["shaft"] == "S2"}
     assert other["B3"] == other["B4"] == untold | {"untold": "plane D2 had no trial run"}
     assert {one["after"]["verdict"] for one in found if one["shaft"] == "S1"} == {"open"}
+
+
+def test_a_correction_at_chosen_speeds(api: Api, begun: int) -> None:
+    """As the command's `--rpm`."""
+    asked = {"speeds_rpm": [1200.0, 1000.0, 1000.2], "by": "Ada"}
+    correction = api("POST", f"{PATH}/{begun}/correction", json=asked)["correction"]
+    assert correction["speeds_rpm"] == pytest.approx([1000.0, 1200.0])
+    assert {one["point"].partition(" at ")[2] for one in correction["vectors"]} == {"1000 r/min", "1200 r/min"}
+    assert correction["planes"][0]["g_mm"] == pytest.approx(1000.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "words"),
+    [
+        ([1000.0, 9000.0], "9000 r/min lies outside the document's range, 300 to 3000 r/min"),
+        ([2500.0], "2500 r/min was not recorded by two runs, within 1 %: run 1 has 900 to 1400 r/min; run 2 has 900 to 1400"),
+    ],
+)
+def test_speeds_that_nobody_measured_are_named(api: Api, begun: int, speeds: list[float], words: str) -> None:
+    told = api("POST", f"{PATH}/{begun}/correction", 422, json={"speeds_rpm": speeds, "by": "Ada"})["detail"]
+    assert words in told
+
+
+@pytest.mark.parametrize("speeds", [[], [0.0], [-1000.0], "1000", [1000.0] * 101])
+def test_speeds_that_are_none_are_refused(api: Api, begun: int, speeds: Any) -> None:
+    errors = api("POST", f"{PATH}/{begun}/correction", 422, json={"speeds_rpm": speeds, "by": "Ada"})["errors"]
+    assert all(one["field"].startswith("speeds_rpm") for one in errors)
