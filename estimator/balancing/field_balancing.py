@@ -336,7 +336,8 @@ def _require_recorded(runs: Sequence[BalancingRun], speed: Iterable[float]) -> N
             if own.size
         )
         raise TrialsUnusable(
-            f"{', '.join(f'{one:.6g}' for one in unseen)} r/min was not recorded by two runs, within {100 * WINDOW:g} %: {known}"
+            f"{', '.join(f'{one:.6g}' for one in unseen)} r/min was not recorded by two runs, within {100 * WINDOW:g} %: "
+            f"{known}"
         )
 
 

@@ -86,20 +86,32 @@ def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> l
                     after=_largest(found.correction.after, own),
                     upper=float(np.max(found.correction.after.upper[own])) / MICROMETRES,
                     check=None if measured is None else float(np.nanmax(np.abs(measured.vector[own]))) / MICROMETRES,
-                    check_upper=None if measured is None else float(np.max(measured.predicted.upper[own])) / MICROMETRES,
+                    check_upper=None if measured is None else _promised(measured, own),
                     held=None if measured is None else meets_prediction(measured, own),
                 )
             )
     return rows
 
 
-def meets_prediction(check: BalancingCheck, points: list[int]) -> bool:
-    """Return whether the largest vibration at some points is below what was promised for the weights that were on."""
+def _promised(check: BalancingCheck, points: list[int]) -> float | None:
+    """Return the bound for the weights that were on [µm pp]; None where nothing is predicted for them."""
+    return None if check.predicted is None else float(np.max(check.predicted.upper[points])) / MICROMETRES
+
+
+def meets_prediction(check: BalancingCheck, points: list[int]) -> bool | None:
+    """Return whether the largest vibration at some points is below what was promised for the weights that were on.
+
+    None where nothing is predicted for them.
+    """
+    if check.predicted is None:
+        return None
     return bool(np.nanmax(np.abs(check.vector[points])) <= np.max(check.predicted.upper[points]))
 
 
 def has_other_weights(found: FieldBalancing, check: BalancingCheck) -> bool:
     """Return whether a check run had other weights on than the correction's."""
+    if check.beside:
+        return True
     missing = np.linalg.norm(check.installed - found.unbalance)
     return bool(missing > OTHER_WEIGHTS * np.linalg.norm(found.unbalance))
 
@@ -110,11 +122,33 @@ def limit_verdicts(found: FieldBalancing) -> tuple[float, LimitVerdict] | None:
     return None if limit is None else (limit / MICROMETRES, limit_verdict(found.correction.after, limit))
 
 
-def trim_weights(found: FieldBalancing, check: BalancingCheck) -> Iterator[tuple[str, float, float]]:
-    """Yield what to add after a check run: plane, unbalance [g mm], angle [°]."""
+@dataclass(frozen=True)
+class TrimWeight:
+    """An unbalance to add to those that are on in a check run [g mm, °], with its 95 % interval."""
+
+    plane: str
+    g_mm: float
+    lower_g_mm: float
+    upper_g_mm: float
+    angle_deg: float
+    half_width_deg: float
+
+
+def trim_weights(found: FieldBalancing, check: BalancingCheck) -> Iterator[TrimWeight]:
+    """Yield what to add after a check run; nothing where that cannot be told from noise."""
+    if check.is_trim_noise:
+        return
     angles: Floats = angle_deg(check.trim)
-    for plane, size, angle in zip(found.separation.planes, np.abs(check.trim), angles, strict=True):
-        yield plane, float(size) / GRAM_MILLIMETRE, float(angle)
+    half = angle_half_width_deg(check.trim, check.trim_band.upper)
+    for row, plane in enumerate(found.separation.planes):
+        yield TrimWeight(
+            plane=plane,
+            g_mm=float(abs(check.trim[row])) / GRAM_MILLIMETRE,
+            lower_g_mm=float(check.trim_band.lower[row]) / GRAM_MILLIMETRE,
+            upper_g_mm=float(check.trim_band.upper[row]) / GRAM_MILLIMETRE,
+            angle_deg=float(angles[row]),
+            half_width_deg=float(half[row]),
+        )
 
 
 def _largest(band: PhasorBand, rows: list[int]) -> float:

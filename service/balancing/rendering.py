@@ -73,7 +73,19 @@ def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]
         ],
         "limit_met": None if limit is None else bool(np.nanmax(np.abs(check.vector)) <= limit),
         "residual": [{**_plane(shaft, one), **_residual(one)} for shaft, one, _ in _pairs(check.residual, check.residual)],
-        "trim": [{"disc": plane, "g_mm": size, "angle_deg": angle} for plane, size, angle in trim_weights(found, check)],
+        "unpredicted": list(check.unpredicted),
+        "trim": [
+            {
+                "disc": one.plane,
+                "g_mm": one.g_mm,
+                "lower_g_mm": one.lower_g_mm,
+                "upper_g_mm": one.upper_g_mm,
+                "angle_deg": one.angle_deg,
+                "half_width_deg": one.half_width_deg,
+            }
+            for one in trim_weights(found, check)
+        ],
+        "trim_is_noise": check.is_trim_noise,
         "vectors": [
             {"point": point, **_polar(complex(value))}
             for point, value in zip(found.runs.points, check.vector, strict=True)

@@ -160,7 +160,10 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "balancing.untold": "cannot be told: {why}",
     "balancing.check": "Check run {name}: {kept} of {points} points within the prediction for the weights that were on",
     "balancing.limit_by_check": "limit of the document: {verdict}",
-    "balancing.trim": "further correction, with what this run adds: plane, unbalance to add [g mm] at angle [°]",
+    "balancing.check_unpredicted": "Check run {name}: nothing is predicted for it, as {discs} had weights and no trial run",
+    "balancing.trim": "further correction, with what this run adds: plane, unbalance to add [g mm] at angle [°], "
+    "95 % intervals",
+    "balancing.trim_is_noise": "nothing to trim that can be told from noise",
     "balancing.predicted": "predicted",
     "balancing.rings": "{title}, rings of {step} {unit}",
     "balancing.lag": "{name} {size} ∠{angle:.0f}° lag",

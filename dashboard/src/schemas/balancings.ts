@@ -79,7 +79,11 @@ export interface CheckRun {
   channels: { channel: string; check_um_pp: number | null; upper_um_pp: number | null; kept: boolean | null }[];
   limit_met: boolean | null;
   residual: (BearingPlane & Residual)[];
+  /** Discs that had weights and no trial run: nothing is predicted then. */
+  unpredicted: string[];
   trim: Weight[];
+  /** Whether nothing to trim can be told from noise; null where an older release computed it. */
+  trim_is_noise: boolean | null;
   vectors: (Vector & { point: string })[];
 }
 

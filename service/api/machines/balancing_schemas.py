@@ -181,8 +181,8 @@ class CorrectionIn(StrictModel):
     service_rpm: Size | None = Field(default=None, description="inside the speed range, by default its end [r/min]")
     speeds_rpm: Speeds | None = Field(
         default=None,
-        description="speeds to balance at, as the runs have them [r/min]; by default those at which channels respond most, and "
-        "others that cover the range",
+        description="speeds to balance at, as the runs have them [r/min]; by default those at which channels respond most, "
+        "and others that cover the range",
     )
     identification: RunNumber | None = Field(
         default=None, description="one whose model is used, alone or corrected, where it clearly predicts runs left out better"
@@ -340,6 +340,14 @@ class CheckedVector(PredictedVector):
     point: str
 
 
+class TrimOut(WeightOut):
+    """An unbalance to add to the weights that are on, with 95 % intervals; null for a check run of an older release."""
+
+    lower_g_mm: float | None = None
+    upper_g_mm: float | None = None
+    half_width_deg: float | None = Field(default=None, description="half the interval of the angle [°]")
+
+
 class CheckOut(BaseModel):
     """A check run beside what was promised for the weights that are on."""
 
@@ -357,7 +365,14 @@ class CheckOut(BaseModel):
     channels: list[CheckedChannelOut]
     limit_met: bool | None
     residual: list[CheckedPlaneOut]
-    trim: list[WeightOut] = Field(description="what to add to the weights that are on")
+    unpredicted: list[str] = Field(
+        default_factory=list,
+        description="discs that had weights and no trial run: nothing is predicted for the run then, and no point is kept",
+    )
+    trim: list[TrimOut] = Field(description="what to add to the weights that are on; empty where `trim_is_noise`")
+    trim_is_noise: bool | None = Field(
+        default=None, description="whether nothing to trim can be told from noise; null for a check run of an older release"
+    )
     vectors: list[CheckedVector]
 
 

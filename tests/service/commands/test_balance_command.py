@@ -206,3 +206,23 @@ def test_several_mountings_in_one_file_are_told_where_the_model_takes_them_for_o
     sidecar = file.with_suffix(".yaml")
     sidecar.write_text(sidecar.read_text(encoding="utf-8") + "mounting: mounting\n", encoding="utf-8")
     assert "mountings as if all had one unbalance" in run("balance", *runs, *again, "--model")
+
+
+def test_a_check_run_with_a_weight_on_an_untried_disc_is_told_as_far_as_it_can_be(runs: list[str], tmp_path: Path) -> None:
+    tried = [*runs[:3], *runs[4:]]
+    check = recorded(tmp_path, "check", {"D1": (190.0, 216.0), "D2": (120.0, 288.0)}, seed=20)
+    page = tmp_path / "page.html"
+    text = run("balance", *tried, "--check", check, "--page", str(page), "--locale", "de")
+    assert "Check run check: nothing is predicted for it, as D2 had weights and no trial run" in text
+    assert "D2 120 g mm, 288°" in text
+    assert "further correction, with what this run adds" in text
+    assert "für ihn ist nichts vorausgesagt, denn D2 hatte Massen und keinen Testlauf" in page.read_text(encoding="utf-8")
+
+
+def test_a_check_run_as_promised_is_told_to_need_no_trim(runs: list[str], tmp_path: Path) -> None:
+    own = {
+        disc["id"]: (1e6 * disc["unbalance"]["magnitude"], disc["unbalance"]["angle_deg"] + 180.0)
+        for disc in balanced_document()["discs"]
+    }
+    text = run("balance", *runs, "--check", recorded(tmp_path, "check", own, seed=20))
+    assert text.rstrip().endswith("nothing to trim that can be told from noise")

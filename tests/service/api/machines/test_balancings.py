@@ -112,7 +112,8 @@ def test_the_steps_of_a_balancing(store: Database, api: Api, begun: int) -> None
     assert checked["state"] == "checked"
     assert all(one["kept"] for one in checked["check"]["channels"])
     assert checked["check"]["limit_met"] is True
-    assert max(one["g_mm"] for one in checked["check"]["trim"]) < 100.0
+    assert checked["check"]["trim_is_noise"] is True
+    assert checked["check"]["trim"] == [], "the run is as promised: what is left is noise"
     assert api("GET", f"{PATH}/{begun}") == checked, "it is stored"
     assert [one["id"] for one in api("GET", PATH)] == [begun]
 
@@ -486,3 +487,16 @@ def test_speeds_that_nobody_measured_are_named(api: Api, begun: int, speeds: lis
 def test_speeds_that_are_none_are_refused(api: Api, begun: int, speeds: Any) -> None:
     errors = api("POST", f"{PATH}/{begun}/correction", 422, json={"speeds_rpm": speeds, "by": "Ada"})["errors"]
     assert all(one["field"].startswith("speeds_rpm") for one in errors)
+
+
+def test_a_check_with_a_weight_on_an_untried_disc_is_told_as_far_as_it_can_be(store: Database, api: Api) -> None:
+    first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    api("POST", f"{here}/trials", json={"run": second, "weights": WEIGHTS["D1"], "by": "Ada"})
+    api("POST", f"{here}/correction", json={"by": "Ada"})
+    run = add_run(store, {"D2": TRIALS["D2"]}, number=9)
+    check = api("POST", f"{here}/check", json={"run": run, "weights": WEIGHTS["D2"], "by": "Ada"})["check"]
+    assert (check["unpredicted"], check["other_weights"], check["points_kept"]) == (["D2"], True, 0)
+    assert {one["kept"] for one in check["channels"]} == {None}
+    (trim,) = check["trim"]
+    assert trim["lower_g_mm"] < trim["g_mm"] < trim["upper_g_mm"]
