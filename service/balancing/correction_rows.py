@@ -62,7 +62,7 @@ def plane_weights(found: FieldBalancing) -> list[PlaneWeight]:
             plane=plane,
             g_mm=float(abs(found.unbalance[row])) / GRAM_MILLIMETRE,
             lower_g_mm=float(band.lower[row]) / GRAM_MILLIMETRE,
-            upper_g_mm=float(band.upper[row]) / GRAM_MILLIMETRE,
+            upper_g_mm=_within_limit(found, plane, float(band.upper[row])) / GRAM_MILLIMETRE,
             angle_deg=float(angle_deg(found.unbalance)[row]),
             half_width_deg=float(half[row]),
             masses=_masses(found, plane),
@@ -70,6 +70,12 @@ def plane_weights(found: FieldBalancing) -> list[PlaneWeight]:
         )
         for row, plane in enumerate(found.separation.planes)
     ]
+
+
+def _within_limit(found: FieldBalancing, plane: str, upper: float) -> float:
+    """Return the upper end of a correction's interval [kg m], no higher than the plane's limit or what is put on."""
+    put_on = float(abs(found.unbalance[found.separation.planes.index(plane)]))
+    return max(put_on, min(upper, found.options.limit.get(plane, np.inf)))
 
 
 def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> list[ChannelEffect]:

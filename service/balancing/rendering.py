@@ -102,6 +102,7 @@ def on_scale(fields: Any, scale: DiscScale, direction: int) -> Any:
         return fields
     found = {name: on_scale(one, scale, direction) for name, one in fields.items()}
     if "angle_deg" in found:
+        found["angle_deg"] = found["angle_deg"] % 360.0 % 360.0  # requests may say -90°, or 450°
         found["scale_deg"] = scale.reading(math.radians(found["angle_deg"]), direction=direction)
     return found
 

@@ -13,14 +13,17 @@ BALANCING: Mapping[str, str] = {
     "{method} taken as asked: {listed} ({measure})": "{method} verwendet wie verlangt: {listed} ({measure})",
     "{method} taken": "{method} verwendet",
     "{method} taken as asked": "{method} verwendet wie verlangt",
+    # Longer than the form below, which would take "taken" for an error.
+    "influence coefficients taken": "Einflusszahlen verwendet",
+    "influence coefficients taken as asked": "Einflusszahlen verwendet wie verlangt",
     "influence coefficients": "Einflusszahlen",
-    "influence coefficients {error}": "Einflusszahlen {error}",
+    "influence coefficients {of}": "Einflusszahlen {of}",
     "model": "Modell",
-    "model {error}": "Modell {error}",
+    "model {of}": "Modell {of}",
     "corrected model": "berichtigtes Modell",
     "scaled model": "skaliertes Modell",
-    "corrected model {error}": "berichtigtes Modell {error}",
-    "scaled model {error}": "skaliertes Modell {error}",
+    "corrected model {of}": "berichtigtes Modell {of}",
+    "scaled model {of}": "skaliertes Modell {of}",
     "errors of predicted vectors over what the trial weights changed, runs left out in turn": (
         "Fehler vorausgesagter Zeiger über dem, was die Testmassen änderten, je ein Lauf ausgelassen"
     ),

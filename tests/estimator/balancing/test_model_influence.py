@@ -34,7 +34,7 @@ def test_a_channel_with_a_gain_shows_the_models_influence_through_it() -> None:
     ]
     weights = np.zeros(len(machine.discs), dtype=complex)
     weights[0] = added
-    whole = joined([runs[0].with_trial_weight(0.0 * weights), runs[1].with_trial_weight(weights)])
+    whole = joined([runs[0].with_trial_weight(np.zeros_like(weights)), runs[1].with_trial_weight(weights)])
     found = identify(machine, whole)
     influence = measured_model_influence(updated_model(machine, found), machine, found.coordinates, found.point)
     shown = influence((machine.discs[0].id,), SPEED)[:, :, 0]

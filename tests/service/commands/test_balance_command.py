@@ -226,3 +226,10 @@ def test_a_check_run_as_promised_is_told_to_need_no_trim(runs: list[str], tmp_pa
     }
     text = run("balance", *runs, "--check", recorded(tmp_path, "check", own, seed=20))
     assert text.rstrip().endswith("nothing to trim that can be told from noise")
+
+
+def test_intervals_do_not_go_beyond_the_limit_of_a_disc(runs: list[str]) -> None:
+    content = json.loads(run("balance", *runs, "--limit", "D2=60", "--json"))
+    (one,) = [plane for plane in content["correction"] if plane["plane"] == "D2"]
+    assert one["g_mm"] == pytest.approx(60.0, rel=1e-4)
+    assert one["lower_g_mm"] < one["g_mm"] <= one["upper_g_mm"] <= 60.0 * (1 + 1e-6)
