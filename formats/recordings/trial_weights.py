@@ -57,8 +57,8 @@ class TrialWeight(BaseModel):
         unsaid = self.radius is not None and "radius_unit" not in self.model_fields_set
         if self.radius is not None and unsaid and not SMALLEST <= self.radius <= LARGEST:
             raise ValueError(
-                f"radius: {self.radius:g} without radius_unit is taken in mm, which is no place for a weight: give radius_unit, "
-                "one of mm, in, m"
+                f"radius: {self.radius:g} without radius_unit is taken in mm, which is no place for a weight: give "
+                "radius_unit, one of mm, in, m"
             )
         if self.magnitude == 0.0 or self.amount == 0.0:
             raise ValueError("a trial weight of zero is none: leave the disc out, or write `added_unbalance: none`")

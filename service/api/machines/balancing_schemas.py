@@ -103,14 +103,14 @@ def _chosen(value: object) -> object:
     return value
 
 
-def _some_speeds(value: object) -> object:
+def _speeds(value: object) -> object:
     """Return the value unless it is an empty list of speeds. Raises ValueError for that."""
     if value == []:
         raise ValueError("a correction needs a speed; without `speeds_rpm` it takes some that the runs share")
     return value
 
 
-Speeds = Annotated[list[Size], BeforeValidator(_some_speeds), Field(min_length=1, max_length=100)]
+BalancingSpeeds = Annotated[list[Size], BeforeValidator(_speeds), Field(min_length=1, max_length=100)]
 Weights = Annotated[list[WeightIn], BeforeValidator(_listed), Field(max_length=100)]
 
 
@@ -179,7 +179,7 @@ class CorrectionIn(StrictModel):
         default=2.5, description="balance quality grade G asked for, ISO 21940-11 [mm/s]"
     )
     service_rpm: Size | None = Field(default=None, description="inside the speed range, by default its end [r/min]")
-    speeds_rpm: Speeds | None = Field(
+    speeds_rpm: BalancingSpeeds | None = Field(
         default=None,
         description="speeds to balance at, as the runs have them [r/min]; by default those at which channels respond most, "
         "and others that cover the range",
