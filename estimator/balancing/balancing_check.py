@@ -4,10 +4,12 @@ The check run is one more run with a known weight: it renews the influence coeff
 comes (Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy.special
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes
@@ -16,17 +18,13 @@ from estimator.balancing.field_balancing import (
     ROUNDING,
     BalancingRun,
     FieldBalancing,
-    mass_of_rotors,
     residual_balance,
     vectors_of,
 )
-from estimator.balancing.influence_correction import correct
-from estimator.balancing.trial_runs import (
-    TrialsUnusable,
-    are_copies,
-    in_sense_of_rotation,
-    require_plausible_weight,
-)
+from estimator.balancing.influence_correction import InfluenceCorrection, correct
+from estimator.balancing.measured_influence import circular_band
+from estimator.balancing.plausible_weights import require_plausible_weights
+from estimator.balancing.trial_runs import TrialsUnusable, are_copies, in_sense_of_rotation
 from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 
@@ -42,20 +40,28 @@ class BalancingCheck:
         name: Name of the run.
         installed: Unbalances (Q,) that were on, in the planes of the correction [kg m].
         vector: Vectors (K,) of the run [m], NaN where it shows none.
-        predicted: Prediction (K,) for the weights that were on [m].
+        beside: Unbalances by disc that were on elsewhere [kg m].
+        unpredicted: Those of these discs that had no trial run, so that nothing is predicted for what was on.
+        predicted: Prediction (K,) for the weights that were on [m]; None where there is none.
         held: True for the points (K,) whose amplitude lies within the prediction.
         residual: Residual unbalance by rotor, as the run shows it.
         trim: Unbalances (Q,) to add to those that are on [kg m].
+        trim_band: Their 95 % bands [kg m].
+        is_trim_noise: Whether the trim, in all planes together, cannot be told from noise.
         after_trim: Vibration predicted with them at the points that the run shows (K,) [m].
     """
 
     name: str
     installed: Complexes
+    beside: Mapping[str, complex]
+    unpredicted: tuple[str, ...]
     vector: Complexes
-    predicted: PhasorBand
+    predicted: PhasorBand | None
     held: NDArray[np.bool_]
     residual: tuple[RotorBalance, ...]
     trim: Complexes
+    trim_band: PhasorBand
+    is_trim_noise: bool
     after_trim: PhasorBand
 
 
@@ -70,29 +76,38 @@ def check_balancing(found: FieldBalancing, run: BalancingRun) -> BalancingCheck:
         What the run shows.
 
     Raises:
-        TrialsUnusable: The run has none of the correction's speeds, weights in planes that had no trial or in another unit, or
-            is a copy of one that the correction came from.
+        TrialsUnusable: The run has none of the correction's speeds, weights in another unit, or is a copy of one that the
+            correction came from.
     """
     machine, planes = found.machine, found.separation.planes
     vector = _vectors(found, run)
-    installed = _installed(found, run)
+    installed, beside = _installed(found, run)
     weight = in_sense_of_rotation(installed, machine.direction)
-    predicted = found.correction.installed(weight).after
+    predicted = _predicted(found, installed, beside)
     amplitude = np.abs(vector)
     shown = np.isfinite(vector)
-    held = shown & (amplitude >= predicted.lower) & (amplitude <= predicted.upper)
+    if predicted is None:
+        held = np.zeros_like(shown)
+    else:
+        held = shown & (amplitude >= predicted.lower) & (amplitude <= predicted.upper)
     residual, covariance = equivalent_unbalance(found.known, vector)
     widened = found.known.widening**2 * covariance
     limit = np.array([found.options.limit.get(plane, np.inf) for plane in planes])
+    # What is on in other planes stays there: it is part of the vibration from which the planes are corrected further.
     further = correct(found.correction.influence.from_state(vector, weight), criterion=found.options.criterion, limit=limit)
+    trim = in_sense_of_rotation(_change(weight, further.weight), machine.direction)
     return BalancingCheck(
         name=run.name,
         installed=installed,
+        beside=beside,
+        unpredicted=tuple(disc for disc in beside if disc not in found.choice.influence.planes),
         vector=vector,
         predicted=predicted,
         held=held,
         residual=residual_balance(found, residual, widened),
-        trim=in_sense_of_rotation(_change(weight, further.weight), machine.direction),
+        trim=trim,
+        trim_band=circular_band(trim, np.real(np.diag(further.covariance)), widening=further.influence.widening),
+        is_trim_noise=_is_noise(in_sense_of_rotation(trim, machine.direction), further),
         after_trim=further.after,
     )
 
@@ -132,16 +147,42 @@ def _vectors(found: FieldBalancing, run: BalancingRun) -> Complexes:
     return np.asarray(vector)
 
 
-def _installed(found: FieldBalancing, run: BalancingRun) -> Complexes:
+def _predicted(found: FieldBalancing, installed: Complexes, beside: Mapping[str, complex]) -> PhasorBand | None:
+    """Predict the vibration for weights in the correction's planes (Q,) and beside; None where a disc had no trial run."""
+    known, direction = found.choice.influence, found.machine.direction
+    if not beside:
+        return found.correction.influence.predicted(in_sense_of_rotation(installed, direction))
+    if any(disc not in known.planes for disc in beside):
+        return None
+    whole = dict(zip(found.separation.planes, installed.tolist(), strict=True)) | dict(beside)
+    weight = np.array([whole.get(plane, 0.0) for plane in known.planes], dtype=complex)
+    return known.predicted(in_sense_of_rotation(weight, direction))
+
+
+def _is_noise(change: Complexes, further: InfluenceCorrection) -> bool:
+    """Return whether a change of weights (Q,), in all planes together, is within its 95 % region (Hotelling's T²).
+
+    Planes that do nearly the same may each be within their own interval, and their sum is not.
+    """
+    size = np.sqrt(np.real(np.diag(further.covariance)))
+    if not np.all(size > 0.0):
+        return not np.any(change)
+    correlation = further.covariance / np.outer(size, size)
+    scaled = change / size
+    # Complex errors: 2 |x|² over the variance has two degrees of freedom a plane.
+    distance = 2.0 * float(np.real(np.conj(scaled) @ np.linalg.pinv(correlation, hermitian=True) @ scaled))
+    count, freedom = 2 * change.size, further.influence.freedom
+    if not np.isfinite(freedom):
+        return distance <= float(scipy.special.chdtri(count, 0.05))
+    return distance <= count * float(scipy.special.fdtri(count, freedom, 0.95))
+
+
+def _installed(found: FieldBalancing, run: BalancingRun) -> tuple[Complexes, dict[str, complex]]:
+    """Return the weights that were on in the correction's planes (Q,), and those by disc that were elsewhere."""
     if run.added is None:
-        return found.unbalance
+        return found.unbalance, {}
     discs = [disc.id for disc in found.machine.discs]
     planes = found.separation.planes
-    other = [disc for disc, one in zip(discs, run.added, strict=True) if one != 0.0 and disc not in planes]
-    if other:
-        raise TrialsUnusable(f"{run.name}: weights on {', '.join(other)}, where nothing was to be corrected")
-    installed = np.array([run.added[discs.index(plane)] for plane in planes])
-    mass = mass_of_rotors(found.machine)
-    for plane, size in zip(planes, np.abs(installed).tolist(), strict=True):
-        require_plausible_weight(size, name=run.name, plane=plane, mass=mass)
-    return installed
+    beside = {disc: complex(one) for disc, one in zip(discs, run.added, strict=True) if one != 0.0 and disc not in planes}
+    require_plausible_weights(found.machine, run.added, name=run.name)
+    return np.array([run.added[discs.index(plane)] for plane in planes]), beside

@@ -16,20 +16,19 @@ from estimator.balancing.influence_choice import ChosenInfluence, InfluenceMetho
 from estimator.balancing.influence_correction import InfluenceCorrection, correct
 from estimator.balancing.measured_influence import MeasuredInfluence
 from estimator.balancing.plane_separation import PlaneSeparation, separate_planes
+from estimator.balancing.plausible_weights import doubtful_corrections, require_plausible_weights, underrated_trials
 from estimator.balancing.trial_runs import (
     TrialRuns,
     TrialsUnusable,
     in_sense_of_rotation,
-    require_plausible_weights,
     weak_trials,
 )
-from estimator.balancing.vectors_at_speeds import common_speeds, vectors_at
+from estimator.balancing.vectors_at_speeds import WINDOW, common_speeds, vectors_at
 from estimator.balancing.weight_places import SplitWeight, WeightPlaces, split_weight
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
-from estimator.rotor.assembly import assemble_rotor
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.balance_quality import RotorBalance, balance_of_unbalances, mass_and_centre
+from estimator.updated_model.balance_quality import RotorBalance, balance_of_unbalances
 
 ROUNDING = 1e-9
 """Part of a speed, or of a weight, by which rounding may change it [-]."""
@@ -94,7 +93,7 @@ class FieldBalancing:
         correction: The correction in these planes.
         known: Influence coefficients of all planes with trial weights that can be told apart, corrected in or not.
         splits: Masses by plane, where its places are known.
-        before: Residual unbalance before the correction by rotor.
+        before: Residual unbalance before the correction by rotor; not known on a rotor with a disc of which it is not.
         after: Residual unbalance predicted after it.
         notes: Sentences on what is doubtful.
     """
@@ -111,6 +110,11 @@ class FieldBalancing:
     before: tuple[RotorBalance, ...]
     after: tuple[RotorBalance, ...]
     notes: tuple[str, ...]
+
+    @property
+    def unknown_discs(self) -> tuple[str, ...]:
+        """Return the discs whose own unbalance the runs do not tell."""
+        return tuple(disc.id for disc in self.machine.discs if disc.id not in self.known.planes)
 
     @property
     def unbalance(self) -> Complexes:
@@ -149,10 +153,9 @@ def balance_from_trials(
         BalancingFailed: No best correction was found within the limits.
     """
     asked = options or BalancingOptions()
-    _require_weights(trials)
+    _require_weights(machine, trials)
     speed = _speeds(machine, [*initial, *trials], asked)
     every, left_points = vectors_of(machine, [*initial, *trials], speed).determined()
-    require_plausible_weights(every, mass=mass_of_rotors(machine))
     choice = choose_influence(every, model=_at_points(every, speed, machine, model), method=asked.method)
     separation = separate_planes(choice.influence.pick(_planes(machine, every, asked)))
     if not separation.planes:
@@ -173,28 +176,17 @@ def balance_from_trials(
         notes=(
             *separation.words,
             *weak_trials(every),
+            *underrated_trials(machine, every),
             *_point_notes(left_points),
             *_disc_notes(machine, every),
             *_repeat_notes(choice),
         ),
     )
-    return _with_residuals(found)
+    doubts = doubtful_corrections(machine, separation.planes, found.unbalance, speed=found.service_speed)
+    return _with_residuals(replace(found, notes=(*found.notes, *doubts)))
 
 
-def mass_of_rotors(machine: Machine) -> float:
-    """Compute the mass that trial weights are compared with.
-
-    Args:
-        machine: The machine.
-
-    Returns:
-        Mass of all rotors of the train [kg].
-    """
-    rotor = assemble_rotor(machine)
-    return float(sum(mass_and_centre(rotor, shaft.id)[0] for shaft in machine.shafts))
-
-
-def _require_weights(trials: Sequence[BalancingRun]) -> None:
+def _require_weights(machine: Machine, trials: Sequence[BalancingRun]) -> None:
     if not trials:
         raise TrialsUnusable("no run has a trial weight: a correction needs the initial run and a trial on each plane")
     for run in trials:
@@ -202,6 +194,7 @@ def _require_weights(trials: Sequence[BalancingRun]) -> None:
             raise TrialsUnusable(
                 f"{run.name} states no trial weight: its sidecar, or the request, needs the disc, amount and angle"
             )
+        require_plausible_weights(machine, run.added, name=run.name)
 
 
 def _proposal(
@@ -268,7 +261,9 @@ def vectors_of(machine: Machine, runs: Sequence[BalancingRun], speed: Floats) ->
 
 
 def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Complexes) -> tuple[RotorBalance, ...]:
-    """Judge residual unbalances in all planes whose influence is known (ISO 21940-11).
+    """Judge residual unbalances of the rotors (ISO 21940-11).
+
+    A rotor's are not known where one of its discs had no trial run, or cannot be told apart from others.
 
     Args:
         found: The correction, for these planes and what was asked.
@@ -276,7 +271,7 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
         covariance: Their covariance (Q, Q), E[e eᴴ], of the widths that intervals shall have [kg² m²].
 
     Returns:
-        One balance per rotor that has such a plane.
+        One balance per rotor that has discs and two bearings or more.
     """
     discs = [disc.id for disc in found.machine.discs]
     rows = [discs.index(plane) for plane in found.known.planes]
@@ -289,7 +284,6 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
             one = turned[row, column]
             whole[disc, :, other, :] = [[one.real, -one.imag], [one.imag, one.real]]
     speed = found.service_speed
-    shafts = {found.machine.discs[row].shaft for row in rows}
     judged = balance_of_unbalances(
         found.machine,
         unbalance=unbalance,
@@ -298,7 +292,21 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
         service_speed=speed,
         maximum_continuous_speed=speed,
     )
-    return tuple(one for one in judged if one.shaft in shafts)
+    shafts = {disc.shaft for disc in found.machine.discs}
+    return tuple(_as_far_as_known(found, one) for one in judged if one.shaft in shafts)
+
+
+def _as_far_as_known(found: FieldBalancing, rotor: RotorBalance) -> RotorBalance:
+    """Return a rotor's balance with what is not known of it: residuals are zero where they were never looked for."""
+    own = [disc.id for disc in found.machine.discs if disc.shaft == rotor.shaft and disc.id in found.unknown_discs]
+    untried = [disc for disc in own if disc not in found.runs.planes]
+    alike = [disc for disc in own if disc in found.runs.planes]
+    untold = "; ".join(
+        [f"plane {disc} had no trial run" for disc in untried]
+        + [f"plane {disc} cannot be told apart from others, or from the scatter" for disc in alike]
+    )
+    first, second = (replace(one, untold=untold, is_whole=not found.unknown_discs) for one in rotor.planes)
+    return replace(rotor, planes=(first, second))
 
 
 def _speeds(machine: Machine, runs: Sequence[BalancingRun], asked: BalancingOptions) -> Floats:
@@ -309,7 +317,28 @@ def _speeds(machine: Machine, runs: Sequence[BalancingRun], asked: BalancingOpti
     if asked.speed is None:
         return common_speeds([run.measurement for run in runs], lowest=lowest, highest=highest)
     _require_in_range(machine, asked.speed, "")
-    return np.sort(np.asarray(asked.speed, dtype=float))
+    _require_recorded(runs, asked.speed)
+    # Measuring points are told to 1 r/min: speeds nearer to each other are one.
+    _, first = np.unique(np.round(rad_per_s_to_rpm(1.0) * asked.speed), return_index=True)
+    return np.asarray(asked.speed, dtype=float)[first]
+
+
+def _require_recorded(runs: Sequence[BalancingRun], speed: Iterable[float]) -> None:
+    """Check for speeds [rad/s] that fewer than two runs have. Raises TrialsUnusable."""
+    recorded = [run.measurement.speed for run in runs]
+    unseen = [
+        rad_per_s_to_rpm(one) for one in speed if sum(bool(np.any(np.abs(own - one) <= WINDOW * one)) for own in recorded) < 2
+    ]
+    if unseen:
+        known = "; ".join(
+            f"{run.name} has {rad_per_s_to_rpm(float(own.min())):.0f} to {rad_per_s_to_rpm(float(own.max())):.0f} r/min"
+            for run, own in zip(runs, recorded, strict=True)
+            if own.size
+        )
+        raise TrialsUnusable(
+            f"{', '.join(f'{one:.6g}' for one in unseen)} r/min was not recorded by two runs, within {100 * WINDOW:g} %: "
+            f"{known}"
+        )
 
 
 def _range(machine: Machine) -> tuple[float, float]:

@@ -13,8 +13,6 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.errors import Invalid
 
-LARGEST_SHIFT = 5e-3
-"""Largest shift of the rotors' centre of mass by a trial weight that is taken for meant [m]; usual ones move it by some µm."""
 SAME = 1e-12
 """Relative difference below which the vectors of two runs are copies of each other [-]."""
 COLLINEAR = 1e-6
@@ -205,41 +203,6 @@ def are_copies(one: Complexes, other: Complexes) -> bool:
     """
     both = np.isfinite(one) & np.isfinite(other)
     return bool(both.any() and np.max(np.abs(one - other)[both]) <= SAME * np.max(np.abs(one[both])))
-
-
-def require_plausible_weights(runs: TrialRuns, *, mass: float) -> None:
-    """Check that trial weights are of a size that somebody would put on a rotor.
-
-    Args:
-        runs: The runs.
-        mass: Mass of the rotors [kg].
-
-    Raises:
-        TrialsUnusable: A weight would move the centre of mass by millimetres.
-    """
-    for name, row in zip(runs.names, runs.added, strict=True):
-        for plane, unbalance in zip(runs.planes, np.abs(row).tolist(), strict=True):
-            require_plausible_weight(unbalance, name=name, plane=plane, mass=mass)
-
-
-def require_plausible_weight(unbalance: float, *, name: str, plane: str, mass: float) -> None:
-    """Check that a trial weight has a plausible size.
-
-    Args:
-        unbalance: Its unbalance [kg m].
-        name: Name of the run.
-        plane: Id of its plane.
-        mass: Mass of the rotors [kg].
-
-    Raises:
-        TrialsUnusable: It would move the centre of mass by millimetres.
-    """
-    shift = unbalance / mass
-    if shift > LARGEST_SHIFT:
-        raise TrialsUnusable(
-            f"{name}: {unbalance:.3g} kg m on {plane} would move the centre of mass of {mass:.3g} kg by "
-            f"{1e3 * shift:.3g} mm; is it in another unit? {unbalance:.3g} g mm are {unbalance * 1e-6:.3g} kg m"
-        )
 
 
 def weak_trials(runs: TrialRuns) -> tuple[str, ...]:

@@ -27,8 +27,11 @@ class NoCommonSpeed(Invalid):
 def common_speeds(runs: Sequence[Measurement], *, lowest: float, highest: float, most: int = 10) -> Floats:
     """Choose speeds of the first run at which others have samples, too.
 
-    Dwells give their mean speed. A sweep gives evenly spaced speeds, no closer than two windows; one with few samples, some of
-    these.
+    Dwells give their mean speed, sweeps speeds two windows apart. Of more than are wanted, those are taken at which channels
+    respond most, and others as far from those and from each other as can be: samples taken evenly in time lie thick where
+    the machine is slow, and would leave out the resonance.
+
+    Source: Gonzalez, Theor. Comput. Sci. 38 (1985) 293, doi:10.1016/0304-3975(85)90224-5, for speeds far from each other.
 
     Args:
         runs: The runs, the initial one first.
@@ -50,8 +53,8 @@ def common_speeds(runs: Sequence[Measurement], *, lowest: float, highest: float,
         if high <= low * (1 + 2 * WINDOW):
             found.append(min(max(float(np.mean(cluster)), lowest), highest))
         else:
-            count = int(min(most, 1 + np.log(high / low) / np.log1p(2 * WINDOW)))
-            found += np.linspace(low, high, max(2, count)).tolist()
+            count = int(1 + np.log(high / low) / np.log1p(2 * WINDOW))
+            found += np.geomspace(low, high, max(2, count)).tolist()
     seen = {one: sum(bool(np.any(np.abs(run.speed - one) <= WINDOW * one)) for run in runs) for one in found}
     shared = [one for one in found if seen[one] > 1]
     if not shared:
@@ -59,8 +62,29 @@ def common_speeds(runs: Sequence[Measurement], *, lowest: float, highest: float,
             f"the runs have no speed in common between {lowest * 30 / np.pi:.0f} and {highest * 30 / np.pi:.0f} r/min, "
             f"within {100 * WINDOW:g} %: take the trial runs at the speeds of the initial run"
         )
-    picked = np.unique(np.linspace(0, len(shared) - 1, min(most, len(shared))).round().astype(int))
-    return np.asarray(np.array(shared)[picked])
+    return _picked(np.array(shared), runs[0], most)
+
+
+def _picked(speed: Floats, run: Measurement, most: int) -> Floats:
+    """Return at most so many of some ascending speeds: those of the greatest response, and others far from each other."""
+    if speed.size <= most:
+        return speed
+    kept = _of_greatest_response(speed, run)[: most // 2]
+    kept += [end for end in (speed.size - 1, 0) if end not in kept]
+    while len(kept) < most:
+        away = np.min(np.abs(speed[:, None] - speed[kept]), axis=1)
+        kept.append(int(np.argmax(away)))
+    return np.asarray(speed[np.sort(kept)])
+
+
+def _of_greatest_response(speed: Floats, run: Measurement) -> list[int]:
+    """Return the numbers of the speeds at which a channel shows most, the channel that shows most first."""
+    amplitude = np.where(run.usable, np.abs(run.phasor), 0.0)
+    seen = np.array(
+        [np.max(amplitude[np.abs(run.speed - one) <= WINDOW * one], axis=0, initial=0.0) for one in speed.tolist()]
+    )
+    channels = np.argsort(-np.max(seen, axis=0))
+    return list(dict.fromkeys(int(np.argmax(seen[:, channel])) for channel in channels if np.max(seen[:, channel]) > 0.0))
 
 
 def vectors_at(run: Measurement, speed: Floats, *, noise: Noise) -> tuple[Complexes, Floats]:

@@ -36,8 +36,8 @@ LEAST_SHARE, LARGEST_SHARE, LARGEST_SHARE_OVERHUNG = 0.3, 0.7, 1.3
 bearings.
 """
 
-PlaneVerdict = Literal["met", "not met", "open"]
-"""Verdict on a plane; 'open' where the identification is not sure enough to tell."""
+PlaneVerdict = Literal["met", "not met", "open", "not known"]
+"""Verdict on a plane; 'open' where what was measured is not sure enough to tell, 'not known' where it cannot tell at all."""
 PlaneUnbalances = Callable[[str, tuple[Bearing, Bearing]], PhasorBand]
 """Function that returns the unbalances (2,) of a shaft in the planes of two bearings [kg m]."""
 
@@ -55,6 +55,8 @@ class PlaneBalance:
         iso_permissible: Permissible unbalance by ISO 21940-11 [kg m].
         api_permissible: Permissible unbalance by API 617 [kg m].
         grade: Balance quality grade G that the plane reaches [mm/s].
+        untold: Why nothing is known of the plane, in words; empty where something is.
+        is_whole: False where unbalances of other rotors count in it, so that it is never sure to be met.
     """
 
     bearing: str
@@ -65,6 +67,8 @@ class PlaneBalance:
     iso_permissible: float
     api_permissible: float
     grade: float
+    untold: str = ""
+    is_whole: bool = True
 
     @property
     def iso(self) -> PlaneVerdict:
@@ -264,6 +268,8 @@ def _identified_unbalances(model: UpdatedModel, shaft: str, ends: tuple[Bearing,
 
 
 def _verdict(plane: PlaneBalance, permissible: float) -> PlaneVerdict:
+    if plane.untold:
+        return "not known"
     if plane.upper <= permissible:
-        return "met"
+        return "met" if plane.is_whole else "open"
     return "not met" if plane.lower > permissible else "open"

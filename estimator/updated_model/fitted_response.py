@@ -1,8 +1,9 @@
 """Response that an identification predicts for each channel: the updated model's, through gains and with run-out."""
 
 import numpy as np
+from numpy.typing import NDArray
 
-from estimator.arrays import Floats
+from estimator.arrays import Complexes, Floats
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
@@ -10,6 +11,26 @@ from estimator.machine.parameter_description import describe
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import sensitivity
 from estimator.updated_model.uncertainty import PhasorBand, phasor_band
+
+
+def fitted_gains(machine: Machine, coordinates: tuple[str, ...], point: Floats) -> Complexes:
+    """Compute the gains of the channels of a fit, measured over true.
+
+    Source: own derivation: a gain is 1 plus the fit's coordinates of it.
+
+    Args:
+        machine: The machine, with m probes.
+        coordinates: Names of the identification's n coordinates.
+        point: Values (n,) over the coordinates, as in `Identification` [SI, logarithms of direct terms].
+
+    Returns:
+        Gains (m,) [-]; 1 for a channel of which the identification has none.
+
+    Raises:
+        ValueError: The identification is of another machine.
+    """
+    own = Coordinates.of(condense(machine, speed=np.ones(1), direction=np.ones(1)), unbalance_scale=1.0)
+    return own.channels.gains(_theta(machine, own, coordinates, point))
 
 
 def fitted_response(
@@ -35,15 +56,8 @@ def fitted_response(
     """
     train = condense(machine, speed=speed, direction=direction)
     own = Coordinates.of(train, unbalance_scale=1.0)
-    missing = [name for name in own.names if name not in coordinates and describe(name).element_kind != "probe"]
-    if missing:
-        raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
-    known = np.array([name in coordinates for name in own.names], dtype=bool)
-    rows = [coordinates.index(name) for name in own.names if name in coordinates]
-    theta = np.zeros(own.size)
-    values = own.origin.copy()
-    values[known] = point[rows]
-    theta[known] = own.theta(values)[known]
+    theta = _theta(machine, own, coordinates, point)
+    known, rows = _known(own, coordinates)
     coefficients, direction = own.coefficients(theta), np.asarray(direction, dtype=float)
     run_out, inner = own.channels.run_outs(theta), covariance[np.ix_(rows, rows)]
     scaled = train.scaled(own.scales(theta))
@@ -57,3 +71,22 @@ def fitted_response(
         return phasor_band(own.channels.gains(theta) * found.phasor + turned, slope, inner)
 
     return PhasorBand.joined([band(block) for block in train.blocks()])
+
+
+def _theta(machine: Machine, own: Coordinates, coordinates: tuple[str, ...], point: Floats) -> Floats:
+    """Return the fit coordinates (N,) of a machine at an identification's values. Raises ValueError for another machine's."""
+    missing = [name for name in own.names if name not in coordinates and describe(name).element_kind != "probe"]
+    if missing:
+        raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
+    known, rows = _known(own, coordinates)
+    theta = np.zeros(own.size)
+    values = own.origin.copy()
+    values[known] = point[rows]
+    theta[known] = own.theta(values)[known]
+    return theta
+
+
+def _known(own: Coordinates, coordinates: tuple[str, ...]) -> tuple[NDArray[np.bool_], list[int]]:
+    """Return which of a machine's coordinates (N,) an identification has, and their places in it."""
+    known = np.array([name in coordinates for name in own.names], dtype=bool)
+    return known, [coordinates.index(name) for name in own.names if name in coordinates]

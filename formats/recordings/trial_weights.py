@@ -12,6 +12,8 @@ from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, RadiusUnit, Weigh
 
 EXAMPLE = "{amount: 48, unit: g mm, angle_deg: 90}"
 """A trial weight as a sidecar states it."""
+SMALLEST, LARGEST = 3.0, 3000.0
+"""Radii [mm] between which a number without a unit is taken for mm."""
 Cell = Callable[[str], float]
 """Function that returns the number in a column of one row."""
 
@@ -25,7 +27,7 @@ class TrialWeight(BaseModel):
     amount: NotNegative | str | None = Field(default=None, description="an unbalance or a mass, in `unit`; or a column")
     unit: WeightUnit | None = Field(default=None, description="of amount; a mass needs its radius")
     radius: Positive | None = Field(default=None, description="at which a mass sits")
-    radius_unit: RadiusUnit = "mm"
+    radius_unit: RadiusUnit = Field(default="mm", description="of the radius; to be said for one that is unusual in mm")
     angle_deg: Angle | str = Field(description="angle on the disc's scale [°]; or a column")
 
     @model_validator(mode="before")
@@ -51,6 +53,12 @@ class TrialWeight(BaseModel):
         if (self.unit in KILOGRAMS) != (self.radius is not None):
             raise ValueError(
                 "a mass (g, oz, kg) needs the radius at which it sits, an unbalance (g mm, g in, oz in, kg m) has none"
+            )
+        unsaid = self.radius is not None and "radius_unit" not in self.model_fields_set
+        if self.radius is not None and unsaid and not SMALLEST <= self.radius <= LARGEST:
+            raise ValueError(
+                f"radius: {self.radius:g} without radius_unit is taken in mm, which is no place for a weight: give "
+                "radius_unit, one of mm, in, m"
             )
         if self.magnitude == 0.0 or self.amount == 0.0:
             raise ValueError("a trial weight of zero is none: leave the disc out, or write `added_unbalance: none`")

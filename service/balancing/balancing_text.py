@@ -11,7 +11,15 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from estimator.updated_model.vector_angle import angle_deg
-from service.balancing.correction_rows import effect_rows, has_other_weights, limit_verdicts, plane_weights, trim_weights
+from service.balancing.correction_rows import (
+    PlaneWeight,
+    TrimWeight,
+    effect_rows,
+    has_other_weights,
+    limit_verdicts,
+    plane_weights,
+    trim_weights,
+)
 from service.wording.language import ENGLISH, Language
 from service.wording.stored_sentences import in_language
 
@@ -55,10 +63,7 @@ def _correction(found: FieldBalancing, language: Language, scale: DiscScale) -> 
     criterion = translate(f"balancing.{found.correction.criterion}")
     yield translate("balancing.correction", criterion=criterion, scale=translate(counted))
     for one in plane_weights(found):
-        angle = digits(f"{_reading(found, scale, one.angle_deg):6.1f} ± {one.half_width_deg:.0f}")
-        interval = translate("balancing.interval", lower=digits(_three(one.lower_g_mm)), upper=digits(_three(one.upper_g_mm)))
-        at = translate("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
-        yield f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {translate('balancing.at', interval=interval, angle=at)}"
+        yield _weight(found, one, language, scale)
         for place, grams in one.masses:
             yield "      " + translate("balancing.mass", grams=digits(f"{grams:8.4g}"), angle=_reading(found, scale, place))
         if one.missed is not None and one.missed > 0.01:
@@ -66,13 +71,22 @@ def _correction(found: FieldBalancing, language: Language, scale: DiscScale) -> 
     yield translate("balancing.counted")
 
 
+def _weight(found: FieldBalancing, one: PlaneWeight | TrimWeight, language: Language, scale: DiscScale) -> str:
+    """Return a plane's unbalance to add with its interval, and its angle on a scale."""
+    digits, translate = language.digits, language.translate
+    angle = digits(f"{_reading(found, scale, one.angle_deg):6.1f} ± {one.half_width_deg:.0f}")
+    interval = translate("balancing.interval", lower=digits(_three(one.lower_g_mm)), upper=digits(_three(one.upper_g_mm)))
+    at = translate("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
+    return f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {translate('balancing.at', interval=interval, angle=at)}"
+
+
 def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
     digits, translate = language.digits, language.translate
     yield translate("balancing.effects") + (translate("balancing.with_check") if check else "")
     promised = "balancing.as_predicted" if check and has_other_weights(found, check) else "balancing.as_promised"
     for one in effect_rows(found, check):
-        kept = translate(promised if one.held else "balancing.more_than_promised")
-        shown = "" if one.check is None else f" {digits(f'{one.check:9.3g}')}  {kept}"
+        kept = "" if one.held is None else "  " + translate(promised if one.held else "balancing.more_than_promised")
+        shown = "" if one.check is None else f" {digits(f'{one.check:9.3g}')}{kept}"
         yield f"  {one.channel:<12} {digits(f'{one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}')}{shown}"
     limit = limit_verdicts(found)
     if limit is not None:
@@ -93,7 +107,8 @@ def _residual(found: FieldBalancing, check: BalancingCheck | None, language: Lan
 
 def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[str]:
     for planes in zip(*(rotor.planes for rotor in rotors), strict=True):
-        shown = "; ".join(_plane(one, language) for one in planes)
+        states = planes[:1] if planes[0].untold else planes  # what is not known is so in all states
+        shown = "; ".join(_plane(one, language) for one in states)
         first = planes[0]
         permissible = language.digits(_three(first.iso_permissible / GRAM_MILLIMETRE))
         told = language.translate("balancing.permissible", amount=permissible, planes=shown)
@@ -101,6 +116,8 @@ def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[st
 
 
 def _plane(one: PlaneBalance, language: Language) -> str:
+    if one.untold:
+        return language.translate("balancing.untold", why=in_language(one.untold, language))
     return language.translate(
         "balancing.plane",
         amount=language.digits(_g_mm(one.unbalance, one.iso_permissible)),
@@ -123,7 +140,10 @@ def _three(value: float) -> str:
 def _check(found: FieldBalancing, check: BalancingCheck, language: Language, scale: DiscScale) -> Iterator[str]:
     shown = np.isfinite(check.vector)
     kept, points = int(np.count_nonzero(check.held)), int(np.count_nonzero(shown))
-    yield language.translate("balancing.check", name=check.name, kept=kept, points=points)
+    if check.unpredicted:
+        yield language.translate("balancing.check_unpredicted", name=check.name, discs=", ".join(check.unpredicted))
+    else:
+        yield language.translate("balancing.check", name=check.name, kept=kept, points=points)
     if has_other_weights(found, check):
         yield "  " + language.translate("balancing.other_weights", weights=_installed(found, check, language, scale))
     limit = found.machine.operation.vibration_limit
@@ -131,16 +151,20 @@ def _check(found: FieldBalancing, check: BalancingCheck, language: Language, sca
         kept_limit = bool(np.nanmax(np.abs(check.vector)) <= limit)
         verdict = _verdict_text("met" if kept_limit else "not met", language)
         yield "  " + language.translate("balancing.limit_by_check", verdict=verdict)
+    if check.is_trim_noise:
+        yield "  " + language.translate("balancing.trim_is_noise")
+        return
     yield "  " + language.translate("balancing.trim")
-    for plane, size, angle in trim_weights(found, check):
-        yield f"  {plane:<12} {language.digits(f'{size:10.4g} {_reading(found, scale, angle):7.1f}')}"
+    yield from (_weight(found, one, language, scale) for one in trim_weights(found, check))
 
 
 def _installed(found: FieldBalancing, check: BalancingCheck, language: Language, scale: DiscScale) -> str:
     """Return the weights that were on in a check run, on the discs' scale."""
+    planes = [*found.separation.planes, *check.beside]
+    installed = np.array([*check.installed, *check.beside.values()])
     weights = [
         language.digits(f"{plane} {abs(value) / GRAM_MILLIMETRE:.4g} g mm, {_reading(found, scale, angle):.0f}°")
-        for plane, value, angle in zip(found.separation.planes, check.installed, angle_deg(check.installed), strict=True)
+        for plane, value, angle in zip(planes, installed, angle_deg(installed), strict=True)
         if value
     ]
     return "; ".join(weights) or language.translate("balancing.no_weights")

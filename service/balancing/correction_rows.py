@@ -62,7 +62,7 @@ def plane_weights(found: FieldBalancing) -> list[PlaneWeight]:
             plane=plane,
             g_mm=float(abs(found.unbalance[row])) / GRAM_MILLIMETRE,
             lower_g_mm=float(band.lower[row]) / GRAM_MILLIMETRE,
-            upper_g_mm=float(band.upper[row]) / GRAM_MILLIMETRE,
+            upper_g_mm=_within_limit(found, plane, float(band.upper[row])) / GRAM_MILLIMETRE,
             angle_deg=float(angle_deg(found.unbalance)[row]),
             half_width_deg=float(half[row]),
             masses=_masses(found, plane),
@@ -70,6 +70,12 @@ def plane_weights(found: FieldBalancing) -> list[PlaneWeight]:
         )
         for row, plane in enumerate(found.separation.planes)
     ]
+
+
+def _within_limit(found: FieldBalancing, plane: str, upper: float) -> float:
+    """Return the upper end of a correction's interval [kg m], no higher than the plane's limit or what is put on."""
+    put_on = float(abs(found.unbalance[found.separation.planes.index(plane)]))
+    return max(put_on, min(upper, found.options.limit.get(plane, np.inf)))
 
 
 def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> list[ChannelEffect]:
@@ -86,20 +92,32 @@ def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> l
                     after=_largest(found.correction.after, own),
                     upper=float(np.max(found.correction.after.upper[own])) / MICROMETRES,
                     check=None if measured is None else float(np.nanmax(np.abs(measured.vector[own]))) / MICROMETRES,
-                    check_upper=None if measured is None else float(np.max(measured.predicted.upper[own])) / MICROMETRES,
+                    check_upper=None if measured is None else _promised(measured, own),
                     held=None if measured is None else meets_prediction(measured, own),
                 )
             )
     return rows
 
 
-def meets_prediction(check: BalancingCheck, points: list[int]) -> bool:
-    """Return whether the largest vibration at some points is below what was promised for the weights that were on."""
+def _promised(check: BalancingCheck, points: list[int]) -> float | None:
+    """Return the bound for the weights that were on [µm pp]; None where nothing is predicted for them."""
+    return None if check.predicted is None else float(np.max(check.predicted.upper[points])) / MICROMETRES
+
+
+def meets_prediction(check: BalancingCheck, points: list[int]) -> bool | None:
+    """Return whether the largest vibration at some points is below what was promised for the weights that were on.
+
+    None where nothing is predicted for them.
+    """
+    if check.predicted is None:
+        return None
     return bool(np.nanmax(np.abs(check.vector[points])) <= np.max(check.predicted.upper[points]))
 
 
 def has_other_weights(found: FieldBalancing, check: BalancingCheck) -> bool:
     """Return whether a check run had other weights on than the correction's."""
+    if check.beside:
+        return True
     missing = np.linalg.norm(check.installed - found.unbalance)
     return bool(missing > OTHER_WEIGHTS * np.linalg.norm(found.unbalance))
 
@@ -110,11 +128,33 @@ def limit_verdicts(found: FieldBalancing) -> tuple[float, LimitVerdict] | None:
     return None if limit is None else (limit / MICROMETRES, limit_verdict(found.correction.after, limit))
 
 
-def trim_weights(found: FieldBalancing, check: BalancingCheck) -> Iterator[tuple[str, float, float]]:
-    """Yield what to add after a check run: plane, unbalance [g mm], angle [°]."""
+@dataclass(frozen=True)
+class TrimWeight:
+    """An unbalance to add to those that are on in a check run [g mm, °], with its 95 % interval."""
+
+    plane: str
+    g_mm: float
+    lower_g_mm: float
+    upper_g_mm: float
+    angle_deg: float
+    half_width_deg: float
+
+
+def trim_weights(found: FieldBalancing, check: BalancingCheck) -> Iterator[TrimWeight]:
+    """Yield what to add after a check run; nothing where that cannot be told from noise."""
+    if check.is_trim_noise:
+        return
     angles: Floats = angle_deg(check.trim)
-    for plane, size, angle in zip(found.separation.planes, np.abs(check.trim), angles, strict=True):
-        yield plane, float(size) / GRAM_MILLIMETRE, float(angle)
+    half = angle_half_width_deg(check.trim, check.trim_band.upper)
+    for row, plane in enumerate(found.separation.planes):
+        yield TrimWeight(
+            plane=plane,
+            g_mm=float(abs(check.trim[row])) / GRAM_MILLIMETRE,
+            lower_g_mm=float(check.trim_band.lower[row]) / GRAM_MILLIMETRE,
+            upper_g_mm=float(check.trim_band.upper[row]) / GRAM_MILLIMETRE,
+            angle_deg=float(angles[row]),
+            half_width_deg=float(half[row]),
+        )
 
 
 def _largest(band: PhasorBand, rows: list[int]) -> float:

@@ -73,7 +73,19 @@ def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]
         ],
         "limit_met": None if limit is None else bool(np.nanmax(np.abs(check.vector)) <= limit),
         "residual": [{**_plane(shaft, one), **_residual(one)} for shaft, one, _ in _pairs(check.residual, check.residual)],
-        "trim": [{"disc": plane, "g_mm": size, "angle_deg": angle} for plane, size, angle in trim_weights(found, check)],
+        "unpredicted": list(check.unpredicted),
+        "trim": [
+            {
+                "disc": one.plane,
+                "g_mm": one.g_mm,
+                "lower_g_mm": one.lower_g_mm,
+                "upper_g_mm": one.upper_g_mm,
+                "angle_deg": one.angle_deg,
+                "half_width_deg": one.half_width_deg,
+            }
+            for one in trim_weights(found, check)
+        ],
+        "trim_is_noise": check.is_trim_noise,
         "vectors": [
             {"point": point, **_polar(complex(value))}
             for point, value in zip(found.runs.points, check.vector, strict=True)
@@ -90,6 +102,7 @@ def on_scale(fields: Any, scale: DiscScale, direction: int) -> Any:
         return fields
     found = {name: on_scale(one, scale, direction) for name, one in fields.items()}
     if "angle_deg" in found:
+        found["angle_deg"] = found["angle_deg"] % 360.0 % 360.0  # requests may say -90°, or 450°
         found["scale_deg"] = scale.reading(math.radians(found["angle_deg"]), direction=direction)
     return found
 
@@ -131,9 +144,13 @@ def _plane(shaft: str, plane: PlaneBalance) -> dict[str, Any]:
 
 
 def _residual(plane: PlaneBalance) -> dict[str, Any]:
+    if plane.untold:
+        nothing = dict.fromkeys(("g_mm", "upper_g_mm", "reached_grade"))
+        return nothing | {"verdict": plane.iso, "untold": plane.untold}
     return {
         "g_mm": abs(plane.unbalance) / GRAM_MILLIMETRE,
         "upper_g_mm": plane.upper / GRAM_MILLIMETRE,
         "reached_grade": plane.grade,
         "verdict": plane.iso,
+        "untold": "",
     }

@@ -256,12 +256,19 @@ def _numbers(text: str, example: str, fewest: int, most: int, *, signed: bool = 
 
 def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
     """Return the influence coefficients of the model that the same runs identify, with a word where the fit is refused."""
-    from estimator.updated_model.balancing import influence_coefficients
+    from estimator.balancing.model_influence import measured_model_influence
     from estimator.updated_model.model import updated_model
+    from formats.recordings.recording import read_circumstances
     from service.commands.analysis import identified
 
     described, _, result = identified(machine, files, None)
+    mountings = {(file, one) for file in files for one in read_circumstances(file).mounting}
+    if len(mountings) > len(files):
+        print_line(
+            f"the model is identified from {len(mountings)} mountings as if all had one unbalance: the less they differ "
+            "the better it is; `rundown calibrate` tells them apart",
+            err=True,
+        )
     if not result.accepted:
         print_line(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
-    model = updated_model(described, result)
-    return lambda planes, speed: influence_coefficients(model, planes=planes, speed=speed)
+    return measured_model_influence(updated_model(described, result), described, result.coordinates, result.point)

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from estimator.arrays import Complexes, Floats
 from estimator.balancing.balancing_check import check_balancing
 from estimator.balancing.field_balancing import (
     BalancingOptions,
     BalancingRun,
     FieldBalancing,
     balance_from_trials,
-    mass_of_rotors,
 )
-from estimator.balancing.trial_runs import TrialsUnusable, require_plausible_weight
+from estimator.balancing.model_influence import measured_model_influence
+from estimator.balancing.plausible_weights import require_plausible_weights
+from estimator.balancing.trial_runs import TrialsUnusable
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
-from estimator.updated_model.balancing import BalancingFailed, influence_coefficients
+from estimator.updated_model.balancing import BalancingFailed
 from service.balancing.rendering import check_fields, correction_fields
 from service.identification.stored_model import Identified
 
@@ -55,7 +55,8 @@ def compute_check(task: BalancingTask, run: BalancingRun) -> dict[str, Any]:
 
 def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[BalancingRun]) -> None:
     """Raise TrialsUnusable, before the next run is made, for weights in a wrong unit or that cancel, and for a copied run."""
-    _require_plausible_weights(machine, run)
+    if run.added is not None:
+        require_plausible_weights(machine, run.added, name=run.name)
     if run.added is None or np.max(np.abs(run.added)) < CANCELLED:
         raise TrialsUnusable(
             f"{run.name}: its weights cancel each other, and a trial needs one that is felt: state all that was on"
@@ -68,27 +69,14 @@ def require_usable_trial(machine: Machine, run: BalancingRun, others: Sequence[B
             )
 
 
-def _require_plausible_weights(machine: Machine, run: BalancingRun) -> None:
-    """Raise TrialsUnusable for a weight in a wrong unit."""
-    mass, added = mass_of_rotors(machine), run.added
-    for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=added is not None):
-        require_plausible_weight(one, name=run.name, plane=disc.id, mass=mass)
-
-
 def _is_copy(one: Measurement, other: Measurement) -> bool:
     return np.array_equal(one.speed, other.speed) and np.array_equal(one.phasor, other.phasor, equal_nan=True)
 
 
 def _balanced(task: BalancingTask) -> FieldBalancing:
     one = task.model
-
-    def influence(planes: tuple[str, ...], speed: Floats) -> Complexes:
-        assert one is not None
-        return influence_coefficients(one.model, planes=planes, speed=speed)
-
+    model = None if one is None else measured_model_influence(one.model, one.machine, one.coordinates, one.point)
     try:
-        return balance_from_trials(
-            task.machine, task.initial, task.trials, options=task.options, model=None if one is None else influence
-        )
+        return balance_from_trials(task.machine, task.initial, task.trials, options=task.options, model=model)
     except BalancingFailed as error:
         raise CorrectionImpossible(str(error)) from error

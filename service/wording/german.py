@@ -160,10 +160,14 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "Rotor, aus {planes}: vorher, nachher vorausgesagt",
     "balancing.permissible": "zulässig {amount}: {planes}",
     "balancing.plane": "{amount} (unter {upper}), G {grade}, {verdict}",
+    "balancing.untold": "lässt sich nicht angeben: {why}",
     "balancing.check": "Kontrolllauf {name}: {kept} von {points} Punkten innerhalb der Voraussage für die angebrachten Massen",
     "balancing.limit_by_check": "Grenze des Dokuments: {verdict}",
     "balancing.trim": "weiterer Ausgleich, mit dem, was dieser Lauf hinzufügt: Ebene, hinzuzufügende Unwucht "
-    "[g mm] bei Winkel [°]",
+    "[g mm] bei Winkel [°], 95-%-Vertrauensbereiche",
+    "balancing.trim_is_noise": "nichts zu trimmen, was sich vom Rauschen unterscheiden lässt",
+    "balancing.check_unpredicted": "Kontrolllauf {name}: für ihn ist nichts vorausgesagt, denn {discs} hatte Massen und "
+    "keinen Testlauf",
     "balancing.predicted": "vorausgesagt",
     "balancing.rings": "{title}, Ringe von {step} {unit}",
     "balancing.lag": "{name} {size} ∠{angle:.0f}° Nacheilung",

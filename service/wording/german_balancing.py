@@ -13,14 +13,17 @@ BALANCING: Mapping[str, str] = {
     "{method} taken as asked: {listed} ({measure})": "{method} verwendet wie verlangt: {listed} ({measure})",
     "{method} taken": "{method} verwendet",
     "{method} taken as asked": "{method} verwendet wie verlangt",
+    # Longer than the form below, which would take "taken" for an error.
+    "influence coefficients taken": "Einflusszahlen verwendet",
+    "influence coefficients taken as asked": "Einflusszahlen verwendet wie verlangt",
     "influence coefficients": "Einflusszahlen",
-    "influence coefficients {error}": "Einflusszahlen {error}",
+    "influence coefficients {of}": "Einflusszahlen {of}",
     "model": "Modell",
-    "model {error}": "Modell {error}",
+    "model {of}": "Modell {of}",
     "corrected model": "berichtigtes Modell",
     "scaled model": "skaliertes Modell",
-    "corrected model {error}": "berichtigtes Modell {error}",
-    "scaled model {error}": "skaliertes Modell {error}",
+    "corrected model {of}": "berichtigtes Modell {of}",
+    "scaled model {of}": "skaliertes Modell {of}",
     "errors of predicted vectors over what the trial weights changed, runs left out in turn": (
         "Fehler vorausgesagter Zeiger über dem, was die Testmassen änderten, je ein Lauf ausgelassen"
     ),
@@ -78,6 +81,25 @@ BALANCING: Mapping[str, str] = {
     ): (
         "auf {discs} war keine Testmasse: die Wirkung ihrer Unwuchten zählt, als käme sie von {planes}, auch in der "
         "Restunwucht"
+    ),
+    "plane {disc} had no trial run": "Ebene {disc} hatte keinen Testlauf",
+    "plane {disc} cannot be told apart from others, or from the scatter": (
+        "Ebene {disc} lässt sich nicht von anderen oder von der Streuung unterscheiden"
+    ),
+    "not known": "nicht bekannt",
+    (
+        "{amount} g mm on {plane} would be G {grade} of its rotor, {mass} kg, where rotors that run are far below: is the "
+        "trial weights' unit right?"
+    ): (
+        "{amount} g mm auf {plane} wären G {grade} des Rotors, {mass} kg, und laufende Rotoren liegen weit darunter: stimmt "
+        "die Einheit der Testmassen?"
+    ),
+    (
+        "{run} differs from {other} by {change} µm, where its weights move the centre of mass by {shift} µm: were they "
+        "heavier, or in a larger unit?"
+    ): (
+        "{run} unterscheidet sich von {other} um {change} µm, wo seine Massen den Schwerpunkt um {shift} µm verschieben: "
+        "waren sie schwerer oder in einer größeren Einheit?"
     ),
     (
         "no run was repeated: intervals and promises hold the noise of the vectors, but not how the rotor settles anew at "

@@ -39,7 +39,6 @@ OWN = {
     "alignment/run_likelihood.py": "a posterior over its prior, in the module's docstring",
     "diagnosis/film_reference.py": "the same, and what the diagnosis makes of it",
     "balancing/trial_runs.py": "the rank of a matrix of weights, whose method is measured_influence's",
-    "balancing/vectors_at_speeds.py": "a straight line over a narrow window, in the module's docstring",
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "calibration/calibration_runs.py": "counts and compares what runs state",
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",

@@ -272,6 +272,7 @@ function ResidualUnbalances({ found, check }: { found: ProposedCorrection; check
 }
 
 function residualText(one: Residual): string {
+  if (one.g_mm === null || one.upper_g_mm === null) return t("residualUntold", { why: stored(one.untold) });
   return t("residualVerdict", { amount: number(one.g_mm), upper: number(one.upper_g_mm), verdict: stored(one.verdict) });
 }
 
@@ -285,10 +286,13 @@ function hasOtherWeights(check: CheckRun): boolean {
 }
 
 function Check({ found }: { found: CheckRun }) {
+  const { points_kept: kept, points, unpredicted } = found;
+  const within = unpredicted.length > 0 ? t("nothingPredictedFor", { discs: unpredicted.join(", ") }) : t("pointsWithinThePrediction", { kept, points });
+  const trim = found.trim_is_noise ? t("nothingToTrim") : t("toTrimAdd", { weights: weightsText(found.trim) });
   return (
     <p>
       {hasOtherWeights(found) && `${t("otherWeightsWereOn")} `}
-      {rich("checkRunText", { run: found.run, time: <Time at={found.at} />, by: found.by, on: found.weights === null ? t("withTheWeightsProposed") : t("withWeights", { weights: weightsText(found.weights) }), kept: found.points_kept, points: found.points, weights: weightsText(found.trim) })}
+      {rich("checkRunText", { run: found.run, time: <Time at={found.at} />, by: found.by, on: found.weights === null ? t("withTheWeightsProposed") : t("withWeights", { weights: weightsText(found.weights) }), kept: within, trim })}
     </p>
   );
 }

@@ -20,11 +20,13 @@ export interface CorrectionPlane extends Weight {
 
 export type BalanceVerdict = "met" | "not met" | "open";
 
+/** untold: why it is not known; its numbers are null then. */
 export interface Residual {
-  g_mm: number;
-  upper_g_mm: number;
-  reached_grade: number;
-  verdict: BalanceVerdict;
+  g_mm: number | null;
+  upper_g_mm: number | null;
+  reached_grade: number | null;
+  verdict: BalanceVerdict | "not known";
+  untold: string;
 }
 
 interface BearingPlane {
@@ -77,7 +79,11 @@ export interface CheckRun {
   channels: { channel: string; check_um_pp: number | null; upper_um_pp: number | null; kept: boolean | null }[];
   limit_met: boolean | null;
   residual: (BearingPlane & Residual)[];
+  /** Discs that had weights and no trial run: nothing is predicted then. */
+  unpredicted: string[];
   trim: Weight[];
+  /** Whether nothing to trim can be told from noise; null where an older release computed it. */
+  trim_is_noise: boolean | null;
   vectors: (Vector & { point: string })[];
 }
 

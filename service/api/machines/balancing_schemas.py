@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from estimator.balancing.balancing_check import LimitVerdict
 from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
 from estimator.machine.disc_scale import DiscScale
@@ -102,6 +103,14 @@ def _chosen(value: object) -> object:
     return value
 
 
+def _speeds(value: object) -> object:
+    """Return the value unless it is an empty list of speeds. Raises ValueError for that."""
+    if value == []:
+        raise ValueError("a correction needs a speed; without `speeds_rpm` it takes some that the runs share")
+    return value
+
+
+BalancingSpeeds = Annotated[list[Size], BeforeValidator(_speeds), Field(min_length=1, max_length=100)]
 Weights = Annotated[list[WeightIn], BeforeValidator(_listed), Field(max_length=100)]
 
 
@@ -170,6 +179,11 @@ class CorrectionIn(StrictModel):
         default=2.5, description="balance quality grade G asked for, ISO 21940-11 [mm/s]"
     )
     service_rpm: Size | None = Field(default=None, description="inside the speed range, by default its end [r/min]")
+    speeds_rpm: BalancingSpeeds | None = Field(
+        default=None,
+        description="speeds to balance at, as the runs have them [r/min]; by default those at which channels respond most, "
+        "and others that cover the range",
+    )
     identification: RunNumber | None = Field(
         default=None, description="one whose model is used, alone or corrected, where it clearly predicts runs left out better"
     )
@@ -240,10 +254,11 @@ class ChannelEffectOut(BaseModel):
 class ResidualOut(BaseModel):
     """Residual unbalance in a bearing plane as that of a rigid rotor, by ISO 21940-11."""
 
-    g_mm: float
-    upper_g_mm: float
-    reached_grade: float
+    g_mm: float | None = Field(description="null where it is not known")
+    upper_g_mm: float | None
+    reached_grade: float | None
     verdict: PlaneVerdict
+    untold: str = Field(default="", description="why it is not known, in words")
 
 
 class ResidualPlaneOut(BaseModel):
@@ -303,7 +318,7 @@ class CorrectionOut(BaseModel):
     planes: list[CorrectionPlaneOut]
     channels: list[ChannelEffectOut]
     limit_um_pp: float | None = Field(description="the document's vibration limit")
-    limit_verdict: PlaneVerdict | None
+    limit_verdict: LimitVerdict | None
     residual: list[ResidualPlaneOut]
     vectors: list[PointVectors]
 
@@ -325,6 +340,14 @@ class CheckedVector(PredictedVector):
     point: str
 
 
+class TrimOut(WeightOut):
+    """An unbalance to add to the weights that are on, with 95 % intervals; null for a check run of an older release."""
+
+    lower_g_mm: float | None = None
+    upper_g_mm: float | None = None
+    half_width_deg: float | None = Field(default=None, description="half the interval of the angle [°]")
+
+
 class CheckOut(BaseModel):
     """A check run beside what was promised for the weights that are on."""
 
@@ -342,7 +365,14 @@ class CheckOut(BaseModel):
     channels: list[CheckedChannelOut]
     limit_met: bool | None
     residual: list[CheckedPlaneOut]
-    trim: list[WeightOut] = Field(description="what to add to the weights that are on")
+    unpredicted: list[str] = Field(
+        default_factory=list,
+        description="discs that had weights and no trial run: nothing is predicted for the run then, and no point is kept",
+    )
+    trim: list[TrimOut] = Field(description="what to add to the weights that are on; empty where `trim_is_noise`")
+    trim_is_noise: bool | None = Field(
+        default=None, description="whether nothing to trim can be told from noise; null for a check run of an older release"
+    )
     vectors: list[CheckedVector]
 
 

@@ -281,6 +281,7 @@ def _options(machine: Machine, asked: dict[str, Any], scale: DiscScale) -> Balan
         places={disc: _places(one, scale, machine.direction) for disc, one in body.places.items()},
         grade=body.grade,
         service_speed=None if body.service_rpm is None else rpm_to_rad_per_s(body.service_rpm),
+        speed=None if body.speeds_rpm is None else np.array([rpm_to_rad_per_s(one) for one in body.speeds_rpm]),
     )
 
 

@@ -13,6 +13,7 @@ from estimator.balancing.vectors_at_speeds import NoCommonSpeed
 from estimator.balancing.weight_places import WeightPlaces
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
+from estimator.updated_model.balance_quality import RotorBalance
 from tests.estimator.trains import chapter_3_document, dense_response, mirrored, noisy
 
 SPEED = np.linspace(160.0, 100.0, 40)
@@ -171,3 +172,130 @@ def test_runs_without_a_common_speed_and_speeds_outside_the_range_are_named() ->
         balance_from_trials(machine, initial, [elsewhere])
     with pytest.raises(TrialsUnusable, match="7000 r/min lies outside the document's range, 90 to 6000 r/min"):
         balance_from_trials(machine, initial, [elsewhere], options=BalancingOptions(speed=np.array([7000 * np.pi / 30])))
+
+
+def residual_verdicts(found: tuple[RotorBalance, ...]) -> dict[str, str]:
+    return {plane.bearing: plane.iso for rotor in found for plane in rotor.planes}
+
+
+def test_the_residual_unbalance_of_a_disc_without_a_trial_run_is_not_known() -> None:
+    """It was met with 0 g mm by construction: of the 120 g mm on D2 nobody had measured anything."""
+    said = document()
+    initial, trials = runs(said)
+    tried = [run for run in trials if run.name != "trial D2"]
+    options = BalancingOptions(grade=40.0)
+    found = balance_from_trials(parse_machine(said), initial, tried, options=options)
+    check = check_balancing(found, run_of(said, "check", dict(zip(found.separation.planes, found.unbalance, strict=True))))
+    for state in (found.before, found.after, check.residual):
+        verdicts = residual_verdicts(state)
+        assert verdicts["B1"] == verdicts["B2"] == "not known"
+        assert "met" not in verdicts.values(), "what D2 does counts in the other rotor, too"
+        assert state[0].planes[0].untold == "plane D2 had no trial run"
+    whole = balance_from_trials(parse_machine(said), initial, trials, options=options)
+    assert set(residual_verdicts(whole.after).values()) == {"met"}
+
+
+def test_the_residual_unbalance_of_a_plane_that_is_left_out_is_not_known() -> None:
+    """A weight on D1 that is said to be on D2 does what one on D1 does."""
+    said = document()
+    initial, trials = runs(said)
+    beside = run_of(said, "beside", {"D1": 0.9e-4 + 0j}, seed=7)
+    wrong = BalancingRun("beside", beside.measurement.with_trial_weight(np.array([0, 0.9e-4, 0, 0], dtype=complex)))
+    found = balance_from_trials(
+        parse_machine(said), initial, [trials[0], wrong, *trials[2:]], options=BalancingOptions(grade=40.0)
+    )
+    (left_out,) = found.separation.left_out
+    assert found.after[0].planes[0].untold == f"plane {left_out} cannot be told apart from others, or from the scatter"
+    assert "met" not in residual_verdicts(found.after).values()
+
+
+def heavier(run: BalancingRun, factor: float) -> BalancingRun:
+    """The same run, with its weights stated in a unit that is larger by a factor."""
+    assert run.added is not None
+    return BalancingRun(run.name, run.measurement.with_trial_weight(factor * run.added))
+
+
+@pytest.mark.parametrize(
+    ("factor", "message"),
+    [
+        (1e6, r"100 kg m on D1 would move the centre of mass of its rotor, .* in another unit\? 100 g mm are 0.0001 kg m"),
+        (1e3, r"0.1 kg m on D1 would move .* by 1\d.* mm; is it in another unit\? 0.1 kg mm \(100 g mm\) are 0.0001 kg m"),
+    ],
+)
+def test_a_trial_weight_is_judged_by_the_rotor_that_bears_it(factor: float, message: str) -> None:
+    """The mass of the whole train let pass what no single rotor bears."""
+    said = document()
+    initial, trials = runs(said)
+    with pytest.raises(TrialsUnusable, match=message):
+        balance_from_trials(parse_machine(said), initial, [heavier(trials[0], factor), *trials[1:]])
+
+
+def test_a_correction_that_no_running_rotor_needs_is_doubted() -> None:
+    """Trial weights in g in that were said to be in the next larger unit pass alone; what they lead to does not."""
+    said = document()
+    for disc in said["discs"]:
+        disc["unbalance"]["magnitude"] *= 3.0
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, [heavier(run, 25.4) for run in trials])
+    doubts = [one for one in found.notes if "is the trial weights' unit right?" in one]
+    assert doubts
+    amount = float(f"{1e6 * abs(found.unbalance[0]):.4g}")
+    assert doubts[0].startswith(f"{amount:.12g} g mm on {found.separation.planes[0]} would be G ")
+    usual = balance_from_trials(parse_machine(said), initial, trials)
+    assert not any("unit" in one for one in usual.notes)
+
+
+def test_a_trial_weight_that_is_stated_far_too_small_is_doubted() -> None:
+    said = document()
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, [heavier(run, 1e-3 / 25.4) for run in trials])
+    doubts = [one for one in found.notes if "were they heavier, or in a larger unit?" in one]
+    assert len(doubts) == 4
+
+
+def test_a_check_run_as_promised_has_nothing_to_trim() -> None:
+    """Trims of 27, 24, 9 and 17 g mm were proposed, of which the runs know nothing: 95 % of 20 such check runs have none."""
+    said = document()
+    machine = parse_machine(said)
+    initial, trials = runs(said)
+    found = balance_from_trials(machine, initial, trials)
+    own = [
+        one["magnitude"] * np.exp(1j * np.radians(one["angle_deg"])) for one in (disc["unbalance"] for disc in said["discs"])
+    ]
+    rightly = dict(zip(DISCS, (-np.array(own)).tolist(), strict=True))
+    noise = [check_balancing(found, run_of(said, "check", rightly, seed=50 + number)).is_trim_noise for number in range(20)]
+    assert sum(noise) >= 17
+    wrong = dict(zip(DISCS, (1.5 * found.unbalance).tolist(), strict=True))
+    check = check_balancing(found, run_of(said, "check", wrong, seed=9))
+    assert not check.is_trim_noise
+    assert np.all(check.trim_band.lower <= np.abs(check.trim))
+    assert np.all(np.abs(check.trim) <= check.trim_band.upper)
+
+
+def test_a_check_run_with_weights_on_a_disc_that_was_left_out_is_predicted_by_its_trial() -> None:
+    said = document()
+    initial, trials = runs(said)
+    options = BalancingOptions(planes=("D1", "D3"))
+    found = balance_from_trials(parse_machine(said), initial, trials, options=options)
+    put_on = {"D1": 4e-5 + 0j, "D3": 0.0j, "D4": 6e-5j}
+    check = check_balancing(found, run_of(said, "check", put_on, seed=9))
+    assert check.predicted is not None
+    assert check.unpredicted == ()
+    assert check.beside == {"D4": pytest.approx(6e-5j)}
+    assert np.mean(check.held[np.isfinite(check.vector)]) > 0.85
+
+
+def test_a_check_run_with_weights_on_a_disc_without_a_trial_tells_what_it_can() -> None:
+    """Nothing was told at all. What was on D2 stays there: the trim is of the vibration with it."""
+    said = document()
+    initial, trials = runs(said)
+    tried = [run for run in trials if run.name != "trial D2"]
+    found = balance_from_trials(parse_machine(said), initial, tried)
+    bare = dict(zip(found.separation.planes, found.unbalance.tolist(), strict=True))
+    check = check_balancing(found, run_of(said, "check", bare | {"D2": -1e-4 + 0j}, seed=9))
+    assert check.predicted is None
+    assert check.unpredicted == ("D2",)
+    assert not np.any(check.held)
+    again = {plane: bare[plane] + one for plane, one in zip(found.separation.planes, check.trim.tolist(), strict=True)}
+    trimmed = run_of(said, "trimmed", again | {"D2": -1e-4 + 0j}, seed=10)
+    assert np.linalg.norm(check_balancing(found, trimmed).vector) < np.linalg.norm(check.vector)

@@ -10,6 +10,7 @@ import yaml
 
 from formats.files.document_files import UnreadableFile
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
+from formats.recordings.trial_weights import TrialWeight
 
 HEADER = "rpm,re,im,weight,at,mount,spread"
 ROWS = ("1000,3,4,0,0,A,0.1", "1200,0,1,48,90,B,0.2")
@@ -140,3 +141,13 @@ def test_a_channel_has_one_pair_of_columns(tmp_path: Path) -> None:
 def test_a_probe_is_listed_once(tmp_path: Path) -> None:
     twice = [{"channel": "X", "real": "re", "imaginary": "im"}, {"channel": "X", "real": "weight", "imaginary": "at"}]
     assert "channel X is listed twice: each probe of the document has one entry" in refused(tmp_path, channels=twice)
+
+
+@pytest.mark.parametrize("radius", [0.03, 1.2, 30000.0])
+def test_a_radius_that_is_no_number_of_mm_needs_its_unit(radius: float) -> None:
+    """It was taken in mm without a word: 0.03, meant in m, made a weight a thousand times too small."""
+    said = {"amount": 1.6, "unit": "g", "radius": radius, "angle_deg": 0.0}
+    with pytest.raises(ValueError, match="without radius_unit is taken in mm, which is no place for a weight"):
+        TrialWeight.model_validate(said)
+    assert TrialWeight.model_validate(said | {"radius_unit": "mm"}).radius == radius
+    assert TrialWeight.model_validate(said | {"radius": 30}).radius_unit == "mm"

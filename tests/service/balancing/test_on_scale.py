@@ -14,3 +14,10 @@ def test_angles_are_reported_on_the_scale_too(counted: str, direction: int, expe
     assert plane["angle_deg"] == 30.0
     assert plane["scale_deg"] == pytest.approx(expected)
     assert plane["masses"][0]["scale_deg"] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(("said", "expected"), [(-90.0, 270.0), (450.0, 90.0), (360.0, 0.0), (-1e-15, 0.0)])
+def test_angles_are_between_0_and_360(said: float, expected: float) -> None:
+    found = on_scale({"disc": "D1", "angle_deg": said}, DiscScale(), 1)
+    assert found["angle_deg"] == pytest.approx(expected)
+    assert 0.0 <= found["scale_deg"] < 360.0

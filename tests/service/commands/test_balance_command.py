@@ -186,3 +186,50 @@ def test_planes_that_cannot_be_told_apart_are_named(runs: list[str], tmp_path: P
 
 def test_a_file_that_is_given_twice_is_no_repeat(runs: list[str]) -> None:
     assert "hold the same vectors: one is a copy" in run("balance", *runs, runs[2], status=1)
+
+
+def test_residual_unbalance_of_a_rotor_with_an_untried_disc_is_not_told(runs: list[str], tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    text = run("balance", *runs[:3], *runs[4:], "--grade", "40", "--page", str(page), "--locale", "de")
+    residual = text.partition("Residual unbalance")[2]
+    assert residual.count("cannot be told: plane D2 had no trial run") == 2
+    assert ", met" not in residual
+    assert "lässt sich nicht angeben: Ebene D2 hatte keinen Testlauf" in page.read_text(encoding="utf-8")
+
+
+def test_several_mountings_in_one_file_are_told_where_the_model_takes_them_for_one(runs: list[str], tmp_path: Path) -> None:
+    again = [recorded(tmp_path, f"again-{disc}", {disc: (80.0, 120.0)}, seed=at) for at, disc in enumerate(TRIALS, 30)]
+    file = Path(runs[1])
+    lines = file.read_text(encoding="utf-8").splitlines()
+    rows = [f"{line},{'mounting' if not at else 'A' if at < 20 else 'B'}" for at, line in enumerate(lines)]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    sidecar = file.with_suffix(".yaml")
+    sidecar.write_text(sidecar.read_text(encoding="utf-8") + "mounting: mounting\n", encoding="utf-8")
+    assert "mountings as if all had one unbalance" in run("balance", *runs, *again, "--model")
+
+
+def test_a_check_run_with_a_weight_on_an_untried_disc_is_told_as_far_as_it_can_be(runs: list[str], tmp_path: Path) -> None:
+    tried = [*runs[:3], *runs[4:]]
+    check = recorded(tmp_path, "check", {"D1": (190.0, 216.0), "D2": (120.0, 288.0)}, seed=20)
+    page = tmp_path / "page.html"
+    text = run("balance", *tried, "--check", check, "--page", str(page), "--locale", "de")
+    assert "Check run check: nothing is predicted for it, as D2 had weights and no trial run" in text
+    assert "D2 120 g mm, 288°" in text
+    assert "further correction, with what this run adds" in text
+    assert "für ihn ist nichts vorausgesagt, denn D2 hatte Massen und keinen Testlauf" in page.read_text(encoding="utf-8")
+
+
+def test_a_check_run_as_promised_is_told_to_need_no_trim(runs: list[str], tmp_path: Path) -> None:
+    own = {
+        disc["id"]: (1e6 * disc["unbalance"]["magnitude"], disc["unbalance"]["angle_deg"] + 180.0)
+        for disc in balanced_document()["discs"]
+    }
+    text = run("balance", *runs, "--check", recorded(tmp_path, "check", own, seed=20))
+    assert text.rstrip().endswith("nothing to trim that can be told from noise")
+
+
+def test_intervals_do_not_go_beyond_the_limit_of_a_disc(runs: list[str]) -> None:
+    content = json.loads(run("balance", *runs, "--limit", "D2=60", "--json"))
+    (one,) = [plane for plane in content["correction"] if plane["plane"] == "D2"]
+    assert one["g_mm"] == pytest.approx(60.0, rel=1e-4)
+    assert one["lower_g_mm"] < one["g_mm"] <= one["upper_g_mm"] <= 60.0 * (1 + 1e-6)

@@ -11,6 +11,7 @@ from service.wording.english import ENGLISH_SENTENCES
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.german import GERMAN_SENTENCES
 from service.wording.language import ENGLISH, GERMAN, LANGUAGES, SENTENCES, Language, asked_language
+from service.wording.stored_sentences import in_language
 
 DECLARED = (*FINDING_RULES, RATE_RULE)
 
@@ -127,3 +128,15 @@ def test_a_length_is_reported_in_the_readers_unit() -> None:
 
 def test_every_language_is_one_that_can_be_set() -> None:
     assert {one.code for one in LANGUAGES} == set(SENTENCES)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "german"),
+    [
+        ("influence coefficients taken", "Einflusszahlen verwendet"),
+        ("influence coefficients taken as asked", "Einflusszahlen verwendet wie verlangt"),
+        ("influence coefficients 3.2 %, model 4.5 %", "Einflusszahlen 3,2 %, Modell 4,5 %"),
+    ],
+)
+def test_methods_of_influence_coefficients_are_said_in_german(sentence: str, german: str) -> None:
+    assert in_language(sentence, GERMAN) == german

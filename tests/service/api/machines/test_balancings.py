@@ -112,7 +112,8 @@ def test_the_steps_of_a_balancing(store: Database, api: Api, begun: int) -> None
     assert checked["state"] == "checked"
     assert all(one["kept"] for one in checked["check"]["channels"])
     assert checked["check"]["limit_met"] is True
-    assert max(one["g_mm"] for one in checked["check"]["trim"]) < 100.0
+    assert checked["check"]["trim_is_noise"] is True
+    assert checked["check"]["trim"] == [], "the run is as promised: what is left is noise"
     assert api("GET", f"{PATH}/{begun}") == checked, "it is stored"
     assert [one["id"] for one in api("GET", PATH)] == [begun]
 
@@ -448,3 +449,54 @@ def test_a_correction_is_computed_in_another_process_and_in_no_transaction(
     bare = api("POST", f"{PATH}/{begun}/correction", 422, json={"discs": ["D9"], "by": "Ada"})["detail"]
     assert "there is no disc D9" in bare
     assert found == [("compute_correction", False, 0), ("compute_check", False, 0)]
+
+
+def test_residual_unbalance_of_a_rotor_without_a_trial_run_is_not_known(store: Database, api: Api) -> None:
+    first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    api("POST", f"{here}/trials", json={"run": second, "weights": WEIGHTS["D1"], "by": "Ada"})
+    found = api("POST", f"{here}/correction", json={"grade": 1000, "by": "Ada"})["correction"]["residual"]
+    untold = {"g_mm": None, "upper_g_mm": None, "reached_grade": None, "verdict": "not known"}
+    other = {one["bearing"]: one["after"] for one in found if one["shaft"] == "S2"}
+    assert other["B3"] == other["B4"] == untold | {"untold": "plane D2 had no trial run"}
+    assert {one["after"]["verdict"] for one in found if one["shaft"] == "S1"} == {"open"}
+
+
+def test_a_correction_at_chosen_speeds(api: Api, begun: int) -> None:
+    """As the command's `--rpm`."""
+    asked = {"speeds_rpm": [1200.0, 1000.0, 1000.2], "by": "Ada"}
+    correction = api("POST", f"{PATH}/{begun}/correction", json=asked)["correction"]
+    assert correction["speeds_rpm"] == pytest.approx([1000.0, 1200.0])
+    assert {one["point"].partition(" at ")[2] for one in correction["vectors"]} == {"1000 r/min", "1200 r/min"}
+    assert correction["planes"][0]["g_mm"] == pytest.approx(1000.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "words"),
+    [
+        ([1000.0, 9000.0], "9000 r/min lies outside the document's range, 300 to 3000 r/min"),
+        ([2500.0], "2500 r/min was not recorded by two runs, within 1 %: run 1 has 900 to 1400 r/min; run 2 has 900 to 1400"),
+    ],
+)
+def test_speeds_that_nobody_measured_are_named(api: Api, begun: int, speeds: list[float], words: str) -> None:
+    told = api("POST", f"{PATH}/{begun}/correction", 422, json={"speeds_rpm": speeds, "by": "Ada"})["detail"]
+    assert words in told
+
+
+@pytest.mark.parametrize("speeds", [[], [0.0], [-1000.0], "1000", [1000.0] * 101])
+def test_speeds_that_are_none_are_refused(api: Api, begun: int, speeds: Any) -> None:
+    errors = api("POST", f"{PATH}/{begun}/correction", 422, json={"speeds_rpm": speeds, "by": "Ada"})["errors"]
+    assert all(one["field"].startswith("speeds_rpm") for one in errors)
+
+
+def test_a_check_with_a_weight_on_an_untried_disc_is_told_as_far_as_it_can_be(store: Database, api: Api) -> None:
+    first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    api("POST", f"{here}/trials", json={"run": second, "weights": WEIGHTS["D1"], "by": "Ada"})
+    api("POST", f"{here}/correction", json={"by": "Ada"})
+    run = add_run(store, {"D2": TRIALS["D2"]}, number=9)
+    check = api("POST", f"{here}/check", json={"run": run, "weights": WEIGHTS["D2"], "by": "Ada"})["check"]
+    assert (check["unpredicted"], check["other_weights"], check["points_kept"]) == (["D2"], True, 0)
+    assert {one["kept"] for one in check["channels"]} == {None}
+    (trim,) = check["trim"]
+    assert trim["lower_g_mm"] < trim["g_mm"] < trim["upper_g_mm"]
