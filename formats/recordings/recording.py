@@ -31,6 +31,8 @@ from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.files.private_files import prepare
 
+UNSTATED_START = datetime(2000, 1, 2, tzinfo=UTC)
+"""Time of the first row of a recording that does not say it."""
 LONGEST_S = 1e9
 """Longest recording: thirty years [s]."""
 SPREADSHEETS = (".xlsx", ".xls", ".ods")
@@ -87,7 +89,7 @@ class Sidecar(BaseModel):
     kind: Literal["sweep", "dwells"] = Field(
         default="sweep", description="a run-up or run-down, or rows that each were taken at a constant speed"
     )
-    start: datetime = Field(default=datetime(2000, 1, 2, tzinfo=UTC), description="time of the first row")
+    start: datetime = Field(default=UNSTATED_START, description="time of the first row")
     time: str | None = Field(default=None, description="column with seconds since the start")
     interval_s: Positive | None = Field(default=None, description="time between rows, where there is no such column")
     speed: str = Field(description="column")
@@ -242,12 +244,14 @@ def write_recording(
     interval_s: float,
     gap_um: Floats | None = None,
     weights: Mapping[str, tuple[float, float]] | None = None,
+    start: datetime | None = None,
 ) -> None:
     """Write a run as CSV with its sidecar, readable by their owner only, for `read_recording`.
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
     gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
-    weights: trial weights that were on, by disc: what each adds [g mm], and its angle from +x towards +y [°].
+    weights: trial weights that were on, by disc: what each adds [g mm], and its angle from +x towards +y [°]; None where
+    nobody says. start: time of the first row; None where nobody says.
 
     Raises UnreadableFile where another file, such as the machine's document, stands where the sidecar would.
     """
@@ -281,14 +285,14 @@ def write_recording(
         phase_convention="lag",
         phase_unit="deg",
         gap_unit="um" if gaps else None,
+        **({} if start is None else {"start": start}),
     )
-    described = sidecar.model_dump(
-        mode="json", exclude_none=True, exclude={"start", "kind", "added_unbalance", "disc_scale", "conditions"}
-    )
-    if weights:
+    left_out = {"kind", "added_unbalance", "disc_scale", "conditions"} | ({"start"} if start is None else set())
+    described = sidecar.model_dump(mode="json", exclude_none=True, exclude=left_out)
+    if weights is not None:
         described["added_unbalance"] = {
             disc: {"amount": amount, "unit": "g mm", "angle_deg": angle} for disc, (amount, angle) in weights.items()
-        }
+        } or "none"
     path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 

@@ -1,4 +1,4 @@
-"""Runs of dwells at constant speed, which somebody names by their time: no sweep, that would begin and end by itself, is there.
+"""Runs of dwells at constant speed, which somebody names by their time: no sweep is there, that would begin and end by itself.
 
 They are for calibrations and balancings, and are not identified by themselves.
 """
@@ -39,7 +39,10 @@ class Dwells:
 
 
 def read_dwells(session: Session, machine_id: str, *, first: int, last: int) -> Dwells:
-    """Return the samples at constant speed from first to last [ns], within the speed range. Raises MachineUnknown, NoDwells."""
+    """Return the samples at constant speed from first to last [ns], within the speed range.
+
+    Raises MachineUnknown, NoDwells.
+    """
     revision = machines.get(session, machine_id).revision
     machine = machines.document(session, machine_id, revision)
     channels = len(machine.probes)

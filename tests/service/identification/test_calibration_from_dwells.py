@@ -1,4 +1,4 @@
-"""A rig that is held at some speeds is calibrated over the API: from runs that are too short for a sweep, and from named times."""
+"""A rig that is held at some speeds is calibrated over the API: from runs too short for sweeps, and from named times."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -76,8 +76,9 @@ class HeldPump:
         added = np.zeros(len(self.machine.discs), dtype=complex)
         if disc is not None:
             added[disc] = WEIGHT * np.exp(0.5j * np.pi * disc)
+        turning = np.array([rpm_to_rad_per_s(one) for one in rpm])
         loaded = replace(self.truth, unbalances=self.truth.unbalances + added)
-        phasor = GAIN * measured_phasors(self.machine, loaded, rpm_to_rad_per_s(np.array(rpm)), self.rng)
+        phasor = GAIN * measured_phasors(self.machine, loaded, turning, self.rng)
         start = START + self.count * 86_400 * SECOND
         said = batch(rpm, sequence=1000 * self.count, start=start)
         said.amplitude = (2e6 * np.abs(phasor)).tolist()
