@@ -26,7 +26,7 @@ from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text, is_blank
 from formats.recordings.recorded_table import MissingColumn, RecordedTable
 from formats.recordings.sidecar_place import sidecar_of
-from formats.recordings.trial_weights import EXAMPLE, TrialWeight
+from formats.recordings.trial_weights import EXAMPLE, TrialWeight, require_likely_columns
 from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.files.private_files import prepare
@@ -174,6 +174,11 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         overall=_optional(table, [one.overall for one in sidecar.channels], len(speed)),
         conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
+
+
+def states_start(path: Path, sidecar_path: Path | None = None) -> bool:
+    """Return whether a recording's sidecar says when it was taken. Raises UnreadableFile."""
+    return "start" in _sidecar_of(path, sidecar_path).model_fields_set
 
 
 def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
@@ -413,6 +418,10 @@ def read_circumstances(path: Path, sidecar_path: Path | None = None) -> Recorded
 
     def unbalances(weight: TrialWeight) -> list[complex]:
         columns = {one: table.column(one) for one in (weight.amount, weight.angle_deg) if isinstance(one, str)}
+        try:
+            require_likely_columns(weight, columns)
+        except ValueError as error:
+            raise UnreadableFile(f"{path}: {error}") from None
         return [
             weight.unbalance(lambda name, row=row: columns[name][row], sidecar.disc_scale, direction=direction)  # type: ignore[misc]
             for row in range(len(table.rows))

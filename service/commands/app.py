@@ -255,7 +255,7 @@ def replay(
 ) -> None:
     """Publish a recorded run over zenoh, in real or compressed time; dwells without waiting between them."""
     from formats.files.document_files import UnreadableFile
-    from formats.recordings.recording import read_recording, split
+    from formats.recordings.recording import UNSTATED_START, read_recording, split, states_start
     from formats.recordings.replayed_dwells import dwells_text, replayed_dwells
     from formats.wire import Key
     from service.messaging.access_control import AccessUnusable, from_environment
@@ -268,6 +268,13 @@ def replay(
     stop = _stop_on_signal()
     try:
         batch, dwells = replayed_dwells(read_recording(file, sidecar), file, sidecar)
+        if not states_start(file, sidecar):
+            print_line(
+                f"{file}: its sidecar does not say when it was taken, so it is put at {UNSTATED_START:%Y-%m-%d}; every other "
+                "such recording falls on the same time, and a service takes two for one. Say it, as in `start: "
+                "2026-11-21T12:00:00Z`",
+                err=True,
+            )
         with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
             if not wait_connected(session, connect, give_up=stop.wait):
                 return

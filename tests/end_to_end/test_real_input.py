@@ -150,6 +150,7 @@ def test_measured_dwells_are_replayed_made_runs_of_and_calibrate(service: Servic
         table = EXAMPLES / "recordings" / "rk4_unbalance_1x.csv"
         replayed = rundown("replay", str(table), "--connect", service.endpoint)
         assert replayed.returncode == 0, replayed.stderr
+        assert "its sidecar does not say when it was taken" in replayed.stderr
         told = re.findall(r"^  (\w+): (\{.*?\}), and as (\{.*\})$", replayed.stdout, re.MULTILINE)
         assert len(told) == 20
         until(
