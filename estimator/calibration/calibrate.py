@@ -80,6 +80,7 @@ class Calibrated:
         sizes: Sizes of scatter that the runs showed.
         speeds: Speeds (D,) that the dwells were taken at [rad/s].
         coarse: Fit of a part of the samples, beside which those of runs as they may have been meant are judged.
+        doubts: Those of the remarks that speak against the weights' or the amplitudes' units.
     """
 
     machine: Machine
@@ -91,6 +92,7 @@ class Calibrated:
     sizes: ScatterSizes
     speeds: Floats
     coarse: "CoarseFit"
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +241,8 @@ def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple
     found = _fitted(machine, runs, seed, _Effort(MOST_OF_SWEEPS, STARTS, PASSES))
     problem, scatter, theta = found.problem, found.scatter, found.theta
     gains = problem.coordinates.channels.gains(theta)
-    remarks = (*found.held, *remarks, *found.first.remarks, *unlikely_gains(gains))
+    doubts = unlikely_gains(gains, {unit for run in runs for unit in run.units if unit})
+    remarks = (*found.held, *remarks, *found.first.remarks, *doubts)
     accepted, verdict = _verdict(problem, theta, found.converged)
     wide = widened(problem, scatter, theta, found.sizes)
     calibration = _calibration(
@@ -248,7 +251,7 @@ def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple
     document = calibrated_document(machine, found.machine, calibration)
     unique = bool(found.first.unique)
     return Calibrated(
-        document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds, found.coarse
+        document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds, found.coarse, doubts
     )
 
 

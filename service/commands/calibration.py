@@ -65,3 +65,5 @@ def calibrate(
         f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since",
         err=as_json,
     )
+    for doubt in found.found.doubts:
+        print_line(f"Before you use it: {doubt}", err=True)

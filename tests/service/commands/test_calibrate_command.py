@@ -185,6 +185,10 @@ def test_gains_that_no_chain_has_ask_for_the_unit_of_the_weights(tmp_path: Path)
     text = run("calibrate", DOCUMENT, few, "--output", str(tmp_path / "kit.yaml"))
     assert "which no usual chain does: are the trial weights' units right (such as" in text
     assert "g mm given as g in" in text
+    *_, written, doubt = text.splitlines()
+    assert written.startswith("Written: ")
+    assert doubt.startswith("Before you use it: the channels read ")
+    assert "(such as g mm given as g in" in doubt
 
 
 @pytest.mark.parametrize("command", ["calibrate", "identify"])
