@@ -13,6 +13,8 @@ from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
 from estimator.calibration.exchanges import exchange_text, likely_exchanges, log_likelihood
+from estimator.calibration.forgotten_mountings import WORDS as OWN_MOUNTINGS
+from estimator.calibration.forgotten_mountings import mounting_text, with_own_mountings
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
@@ -176,12 +178,12 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
 
 
 def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibrated, *, seed: int = 0) -> Calibrated:
-    """Name mixed units, wrong senses of angles or phases and exchanged probes or weights, without which runs fit far better.
+    """Name mixed units, wrong senses, exchanged probes or weights and forgotten mountings, without which runs fit far better.
 
-    Units and senses are tried where a calibration is refused, and named where it would be accepted; exchanges are tried of an
-    accepted one, too, for free gains hide them.
+    Units and senses are tried where a calibration is refused, and named where it would be accepted; exchanges and mountings
+    are tried of an accepted one, too, for free gains and noise hide them.
 
-    Source: own derivation: each unit, sense and exchange is tried, and a calibration with it accepted, or likelier, or not.
+    Source: own derivation: each of them is tried, and a calibration with it accepted, or likelier, or not.
 
     Args:
         machine: The machine.
@@ -193,7 +195,7 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
         The calibration, with what was found in its verdict or, of an accepted one, in its remarks.
     """
     if found.accepted:
-        doubt = _exchanged(machine, runs, found.coarse, seed)
+        doubt = _exchanged(machine, runs, found.coarse, seed) or _remounted(machine, runs, found.coarse, seed)
         return _with_remark(found, doubt) if doubt else found
 
     stated = found.coarse.log_likelihood
@@ -204,6 +206,8 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
     discs = [disc.id for disc in machine.discs]
     meant = explaining_units(discs, runs, fits) or explaining_senses(runs, fits)
     meant = meant or _exchanged(machine, runs, found.coarse, seed)
+    if not meant and (apart := with_own_mountings(runs)) is not None and fits(apart):
+        meant = f"it fits with {OWN_MOUNTINGS}"
     return replace(found, verdict=f"{found.verdict}; {meant}") if meant else found
 
 
@@ -224,6 +228,15 @@ def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], stated: CoarseF
         if fit is not None:
             better.append((exchange, fit.log_likelihood - before))
     return exchange_text(better, int(np.count_nonzero(stated.problem.used)))
+
+
+def _remounted(machine: Machine, runs: Sequence[CalibrationRun], stated: CoarseFit, seed: int) -> str:
+    """Return the words for runs that agree far better with more mountings than are stated; empty where they do not."""
+    apart = with_own_mountings(runs)
+    if apart is None:
+        return ""
+    fit = _accepted_fit(machine, apart, seed, likelier_than=stated.log_likelihood)
+    return "" if fit is None else mounting_text(fit.log_likelihood - stated.log_likelihood)
 
 
 def _accepted_fit(machine: Machine, runs: Sequence[CalibrationRun], seed: int, *, likelier_than: float) -> CoarseFit | None:
