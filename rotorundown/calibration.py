@@ -78,7 +78,7 @@ def calibrate(
     *,
     seed: int = 0,
     gain_drift: float = 0.0,
-    told: Callable[[str], None] | None = None,
+    report: Callable[[str], None] | None = None,
 ) -> CalibratedMachine:
     """Calibrate a machine from recorded runs with known unbalances.
 
@@ -89,7 +89,7 @@ def calibrate(
         files: Paths of recordings, whose sidecars state which trial weights were on (`added_unbalance`).
         seed: Seed of the random starts.
         gain_drift: By how much channels' gains may have changed by the time of a later run, rms, in parts of them [-].
-        told: Called with each row that is left out, and each doubt of the recordings, before the fit begins.
+        report: Called with each row that is left out, and each doubt of the recordings, before the fit begins.
 
     Returns:
         The calibration. One that is not accepted is returned too, and says so: look at `accepted` before using it.
@@ -108,9 +108,9 @@ def calibrate(
     try:
         require_gain_drift(gain_drift)
         runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
-        if told is not None:
+        if report is not None:
             for line in left_out:
-                told(line)
+                report(line)
         with one_blas_thread():
             found = calibrate_runs(machine, runs, seed=seed)
             found = with_named_senses(machine, runs, found, seed=seed)

@@ -16,7 +16,7 @@ WORDS = "a mounting of its own for each set of weights (`mounting`)"
 
 
 def with_own_mountings(runs: Sequence[CalibrationRun]) -> list[CalibrationRun] | None:
-    """Give each set of weights of a mounting a mounting of its own.
+    """Separate each set of weights of a mounting into a mounting of its own.
 
     Args:
         runs: The runs, with their weights.
@@ -30,7 +30,7 @@ def with_own_mountings(runs: Sequence[CalibrationRun]) -> list[CalibrationRun] |
 
 
 def mounting_text(gain: float) -> str:
-    """Say that runs of one mounting agree far better with several.
+    """State that runs of one mounting agree far better with several.
 
     Args:
         gain: Logarithm of the likelihood with several over that with one [-].

@@ -20,7 +20,7 @@ from estimator.units import KILOGRAM_METRES
 GAP = 15.0
 """Ratio between neighbouring sizes of weights from which on they are doubted [-]."""
 GAP_OF_ONE = 100.0
-"""The same for single weights in a table, whose unit is the column's: a slip of one is a thousand [-]."""
+"""Such a ratio for single weights in a table, whose unit is that of the column: a slip of one is a thousand [-]."""
 NEAR = 1.7
 """Factor within which the ratio of two units explains that of the sizes [-]."""
 MOST = 3

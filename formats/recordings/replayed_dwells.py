@@ -90,17 +90,17 @@ def dwells_text(machine: str, runs: Sequence[ReplayedRun]) -> str:
     return "\n".join(lines)
 
 
-Key = tuple[str, tuple[complex, ...]]
+MountedWeights = tuple[str, tuple[complex, ...]]
 """A mounting and the weights on the discs that the sidecar names."""
 
 
-def _keys(circumstances: RecordedCircumstances, count: int) -> list[Key]:
+def _keys(circumstances: RecordedCircumstances, count: int) -> list[MountedWeights]:
     """Return what tells runs apart, of each row."""
     added = list(circumstances.added.values())
     return [(circumstances.mounting[row], tuple(one[row] for one in added)) for row in range(count)]
 
 
-def _order(batch: SampleBatch, keys: Sequence[Key], *, timed: bool) -> list[int]:
+def _order(batch: SampleBatch, keys: Sequence[MountedWeights], *, timed: bool) -> list[int]:
     """Return the rows in the order in which they are published: by time, or run by run and in each by speed."""
     if timed:
         return [int(row) for row in np.argsort(batch.time_ns, kind="stable")]
@@ -108,7 +108,7 @@ def _order(batch: SampleBatch, keys: Sequence[Key], *, timed: bool) -> list[int]
     return sorted(range(len(keys)), key=lambda row: (places[keys[row]], batch.speed[row]))
 
 
-def _times(batch: SampleBatch, keys: Sequence[Key], order: Sequence[int]) -> list[int]:
+def _times(batch: SampleBatch, keys: Sequence[MountedWeights], order: Sequence[int]) -> list[int]:
     """Return a time of each row in their order [ns]: near those of its dwell, far from all others."""
     step = batch.time_ns[1] - batch.time_ns[0] if len(batch.time_ns) > 1 else 0
     found = [batch.time_ns[0]]
@@ -130,10 +130,10 @@ def _reordered(batch: SampleBatch, order: Sequence[int], times: list[int]) -> Sa
 
 
 def _runs(
-    circumstances: RecordedCircumstances, keys: Sequence[Key], order: Sequence[int], times: Sequence[int]
+    circumstances: RecordedCircumstances, keys: Sequence[MountedWeights], order: Sequence[int], times: Sequence[int]
 ) -> Iterable[ReplayedRun]:
     """Yield the runs in the order of their first row."""
-    own: dict[Key, list[int]] = {}
+    own: dict[MountedWeights, list[int]] = {}
     for row, moment in zip(order, times, strict=True):
         own.setdefault(keys[row], []).append(moment)
     for (mounting, added), moments in own.items():

@@ -43,7 +43,7 @@ def calibrate(
         described = read_machine(machine)
         print_warnings(described)
         with working("calibrating"):
-            found = calibrated(described, files, seed=seed, gain_drift=gain_drift / 100.0, told=_doubt)
+            found = calibrated(described, files, seed=seed, gain_drift=gain_drift / 100.0, report=_print_at_once)
     except (UnreadableFile, NotCalibrated) as error:
         fail(str(error))
     if as_json:
@@ -67,6 +67,6 @@ def calibrate(
         print_line(f"Before you use it: {doubt}", err=True)
 
 
-def _doubt(line: str) -> None:
+def _print_at_once(line: str) -> None:
     """Print what was left out of a recording, or speaks against it, as soon as it is known."""
     print_line(line, err=True)
