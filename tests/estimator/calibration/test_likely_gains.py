@@ -22,5 +22,5 @@ def test_the_unit_that_was_given_and_the_one_that_explains_the_gains_come_first(
 
 def test_usual_gains_are_no_doubt_and_unlike_ones_no_common_factor() -> None:
     assert unlikely_gains(ABOUT, {"g mm"}) == ()
-    (words,) = unlikely_gains(25.4 * np.array([0.5, 2.0, 1.0, 1.0], dtype=complex), {"g mm"})
+    (words,) = unlikely_gains(np.array([12.7, 50.8, 25.4, 25.4], dtype=complex), {"g mm"})
     assert "alike" not in words
