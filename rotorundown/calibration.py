@@ -1,6 +1,6 @@
 """Calibrates a machine from recorded runs with known unbalances, as `rundown calibrate` does."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -73,7 +73,12 @@ class CalibratedMachine:
 
 
 def calibrate(
-    machine: Machine, files: Iterable[str | PathLike[str]], *, seed: int = 0, gain_drift: float = 0.0
+    machine: Machine,
+    files: Iterable[str | PathLike[str]],
+    *,
+    seed: int = 0,
+    gain_drift: float = 0.0,
+    report: Callable[[str], None] | None = None,
 ) -> CalibratedMachine:
     """Calibrate a machine from recorded runs with known unbalances.
 
@@ -84,6 +89,7 @@ def calibrate(
         files: Paths of recordings, whose sidecars state which trial weights were on (`added_unbalance`).
         seed: Seed of the random starts.
         gain_drift: By how much channels' gains may have changed by the time of a later run, rms, in parts of them [-].
+        report: Called with each row that is left out, and each doubt of the recordings, before the fit begins.
 
     Returns:
         The calibration. One that is not accepted is returned too, and says so: look at `accepted` before using it.
@@ -102,6 +108,9 @@ def calibrate(
     try:
         require_gain_drift(gain_drift)
         runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
+        if report is not None:
+            for line in left_out:
+                report(line)
         with one_blas_thread():
             found = calibrate_runs(machine, runs, seed=seed)
             found = with_named_senses(machine, runs, found, seed=seed)

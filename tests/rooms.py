@@ -55,8 +55,8 @@ storage/operation: estimator storage storage/alerts storage/database storage/enc
 formats:
 formats/files: estimator estimator/bearings estimator/machine estimator/machine/checks
 formats/wire: estimator estimator/machine estimator/phasors storage storage/encoding
-formats/recordings: estimator estimator/calibration estimator/machine estimator/phasors formats/files formats/wire
-    storage storage/files
+formats/recordings: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs formats/files
+    formats/wire storage storage/files
 service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/export: estimator/machine estimator/phasors formats/files storage storage/database storage/encoding
     storage/files storage/machines storage/measurements storage/tables
@@ -101,7 +101,7 @@ service/opcua: estimator estimator/machine estimator/rotor estimator/updated_mod
     service/advice service/alerts service/configuration service/resilience service/runs service/security storage
     storage/alerts storage/database storage/findings storage/machines storage/operation storage/tables
 service/identification: estimator estimator/balancing estimator/calibration estimator/fit estimator/identification
-    estimator/machine estimator/modes estimator/phasors estimator/updated_model rotorundown/environment
+    estimator/machine estimator/modes estimator/phasors estimator/runs estimator/updated_model rotorundown/environment
     service/balancing service/configuration service/monitoring service/replication service/resilience service/workers
     storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/diagnosis estimator/machine estimator/phasors estimator/statics
@@ -122,8 +122,8 @@ service/recovery: formats/wire service/write_path service/replication service/re
 service/api/cache: estimator estimator/machine estimator/machine/checks service/api/conventions service/http
     service/workers storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends formats/wire
-    service/api/conventions service/http service/identification service/write_path service/security storage
-    storage/encoding storage/machines storage/measurements storage/tables
+    service/api/conventions service/http service/identification service/runs service/write_path service/security
+    storage storage/encoding storage/machines storage/measurements storage/tables
 service/api/operation: formats/wire rotorundown/environment service/api/conventions service/configuration service/http
     service/replication service/security storage storage/alerts storage/database storage/findings storage/measurements
     storage/operation storage/tables

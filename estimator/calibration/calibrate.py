@@ -13,6 +13,8 @@ from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
 from estimator.calibration.exchanges import exchange_text, likely_exchanges, log_likelihood
+from estimator.calibration.forgotten_mountings import WORDS as OWN_MOUNTINGS
+from estimator.calibration.forgotten_mountings import mounting_text, with_own_mountings
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mixed_units import explaining_units, mixed_units
 from estimator.calibration.mounted_problem import MountedProblem
@@ -80,6 +82,7 @@ class Calibrated:
         sizes: Sizes of scatter that the runs showed.
         speeds: Speeds (D,) that the dwells were taken at [rad/s].
         coarse: Fit of a part of the samples, beside which those of runs as they may have been meant are judged.
+        doubts: Those of the remarks that speak against the weights' or the amplitudes' units.
     """
 
     machine: Machine
@@ -91,6 +94,7 @@ class Calibrated:
     sizes: ScatterSizes
     speeds: Floats
     coarse: "CoarseFit"
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,12 +178,12 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
 
 
 def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibrated, *, seed: int = 0) -> Calibrated:
-    """Name mixed units, wrong senses of angles or phases and exchanged probes or weights, without which runs fit far better.
+    """Name mixed units, wrong senses, exchanged probes or weights and forgotten mountings, without which runs fit far better.
 
-    Units and senses are tried where a calibration is refused, and named where it would be accepted; exchanges are tried of an
-    accepted one, too, for free gains hide them.
+    Units and senses are tried where a calibration is refused, and named where it would be accepted; exchanges and mountings
+    are tried of an accepted one, too, for free gains and noise hide them.
 
-    Source: own derivation: each unit, sense and exchange is tried, and a calibration with it accepted, or likelier, or not.
+    Source: own derivation: each of them is tried, and a calibration with it accepted, or likelier, or not.
 
     Args:
         machine: The machine.
@@ -191,7 +195,7 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
         The calibration, with what was found in its verdict or, of an accepted one, in its remarks.
     """
     if found.accepted:
-        doubt = _exchanged(machine, runs, found.coarse, seed)
+        doubt = _exchanged(machine, runs, found.coarse, seed) or _remounted(machine, runs, found.coarse, seed)
         return _with_remark(found, doubt) if doubt else found
 
     stated = found.coarse.log_likelihood
@@ -202,6 +206,8 @@ def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: C
     discs = [disc.id for disc in machine.discs]
     meant = explaining_units(discs, runs, fits) or explaining_senses(runs, fits)
     meant = meant or _exchanged(machine, runs, found.coarse, seed)
+    if not meant and (apart := with_own_mountings(runs)) is not None and fits(apart):
+        meant = f"it fits with {OWN_MOUNTINGS}"
     return replace(found, verdict=f"{found.verdict}; {meant}") if meant else found
 
 
@@ -224,6 +230,15 @@ def _exchanged(machine: Machine, runs: Sequence[CalibrationRun], stated: CoarseF
     return exchange_text(better, int(np.count_nonzero(stated.problem.used)))
 
 
+def _remounted(machine: Machine, runs: Sequence[CalibrationRun], stated: CoarseFit, seed: int) -> str:
+    """Return the words for runs that agree far better with more mountings than are stated; empty where they do not."""
+    apart = with_own_mountings(runs)
+    if apart is None:
+        return ""
+    fit = _accepted_fit(machine, apart, seed, likelier_than=stated.log_likelihood)
+    return "" if fit is None else mounting_text(fit.log_likelihood - stated.log_likelihood)
+
+
 def _accepted_fit(machine: Machine, runs: Sequence[CalibrationRun], seed: int, *, likelier_than: float) -> CoarseFit | None:
     """Return the fit of a part of the samples of other runs from few starts; None where it is not accepted or ends early."""
     effort = _Effort((MOST_OF_SWEEPS[0],) * 2, STARTS_OF_OTHERS, PASSES_OF_OTHERS, likelier_than)
@@ -239,7 +254,8 @@ def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple
     found = _fitted(machine, runs, seed, _Effort(MOST_OF_SWEEPS, STARTS, PASSES))
     problem, scatter, theta = found.problem, found.scatter, found.theta
     gains = problem.coordinates.channels.gains(theta)
-    remarks = (*found.held, *remarks, *found.first.remarks, *unlikely_gains(gains))
+    doubts = unlikely_gains(gains, {unit for run in runs for unit in run.units if unit})
+    remarks = (*found.held, *remarks, *found.first.remarks, *doubts)
     accepted, verdict = _verdict(problem, theta, found.converged)
     wide = widened(problem, scatter, theta, found.sizes)
     calibration = _calibration(
@@ -248,7 +264,7 @@ def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple
     document = calibrated_document(machine, found.machine, calibration)
     unique = bool(found.first.unique)
     return Calibrated(
-        document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds, found.coarse
+        document, accepted, verdict, remarks, found.first.starts, unique, found.sizes, found.speeds, found.coarse, doubts
     )
 
 

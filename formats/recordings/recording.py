@@ -26,11 +26,13 @@ from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text, is_blank
 from formats.recordings.recorded_table import MissingColumn, RecordedTable
 from formats.recordings.sidecar_place import sidecar_of
-from formats.recordings.trial_weights import EXAMPLE, TrialWeight
+from formats.recordings.trial_weights import EXAMPLE, TrialWeight, require_likely_columns
 from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.files.private_files import prepare
 
+UNSTATED_START = datetime(2000, 1, 2, tzinfo=UTC)
+"""Time of the first row of a recording that does not say it."""
 LONGEST_S = 1e9
 """Longest recording: thirty years [s]."""
 SPREADSHEETS = (".xlsx", ".xls", ".ods")
@@ -87,7 +89,7 @@ class Sidecar(BaseModel):
     kind: Literal["sweep", "dwells"] = Field(
         default="sweep", description="a run-up or run-down, or rows that each were taken at a constant speed"
     )
-    start: datetime = Field(default=datetime(2000, 1, 2, tzinfo=UTC), description="time of the first row")
+    start: datetime = Field(default=UNSTATED_START, description="time of the first row")
     time: str | None = Field(default=None, description="column with seconds since the start")
     interval_s: Positive | None = Field(default=None, description="time between rows, where there is no such column")
     speed: str = Field(description="column")
@@ -174,6 +176,11 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     )
 
 
+def states_start(path: Path, sidecar_path: Path | None = None) -> bool:
+    """Return whether a recording's sidecar says when it was taken. Raises UnreadableFile."""
+    return "start" in _sidecar_of(path, sidecar_path).model_fields_set
+
+
 def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
     """Return the sidecar of a recording, by default the one beside it. Raises UnreadableFile."""
     if path.is_dir():
@@ -242,12 +249,14 @@ def write_recording(
     interval_s: float,
     gap_um: Floats | None = None,
     weights: Mapping[str, tuple[float, float]] | None = None,
+    start: datetime | None = None,
 ) -> None:
     """Write a run as CSV with its sidecar, readable by their owner only, for `read_recording`.
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
     gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
-    weights: trial weights that were on, by disc: what each adds [g mm], and its angle from +x towards +y [°].
+    weights: trial weights that were on, by disc: what each adds [g mm], and its angle from +x towards +y [°]; None where
+    nobody says. start: time of the first row; None where nobody says.
 
     Raises UnreadableFile where another file, such as the machine's document, stands where the sidecar would.
     """
@@ -281,14 +290,14 @@ def write_recording(
         phase_convention="lag",
         phase_unit="deg",
         gap_unit="um" if gaps else None,
+        **({} if start is None else {"start": start}),
     )
-    described = sidecar.model_dump(
-        mode="json", exclude_none=True, exclude={"start", "kind", "added_unbalance", "disc_scale", "conditions"}
-    )
-    if weights:
+    left_out = {"kind", "added_unbalance", "disc_scale", "conditions"} | ({"start"} if start is None else set())
+    described = sidecar.model_dump(mode="json", exclude_none=True, exclude=left_out)
+    if weights is not None:
         described["added_unbalance"] = {
             disc: {"amount": amount, "unit": "g mm", "angle_deg": angle} for disc, (amount, angle) in weights.items()
-        }
+        } or "none"
     path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 
@@ -409,6 +418,10 @@ def read_circumstances(path: Path, sidecar_path: Path | None = None) -> Recorded
 
     def unbalances(weight: TrialWeight) -> list[complex]:
         columns = {one: table.column(one) for one in (weight.amount, weight.angle_deg) if isinstance(one, str)}
+        try:
+            require_likely_columns(weight, columns)
+        except ValueError as error:
+            raise UnreadableFile(f"{path}: {error}") from None
         return [
             weight.unbalance(lambda name, row=row: columns[name][row], sidecar.disc_scale, direction=direction)  # type: ignore[misc]
             for row in range(len(table.rows))

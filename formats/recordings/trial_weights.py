@@ -1,7 +1,8 @@
 """Trial weights as a recording's sidecar states them: how much, in which unit, at which angle of the disc's scale."""
 
 import cmath
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -16,6 +17,14 @@ SMALLEST, LARGEST = 3.0, 3000.0
 """Radii [mm] between which a number without a unit is taken for mm."""
 Cell = Callable[[str], float]
 """Function that returns the number in a column of one row."""
+
+
+FULL_TURN = 2.0 * math.pi + 0.005
+"""Largest angle of a column that may be in radians."""
+STEP, NEAR_STEP = math.pi / 12.0, 0.002
+"""Angle between the places of weights on usual discs [rad], and how near to one a rounded number is."""
+FEWEST_ANGLES, LARGE_ANGLE = 3, 3.0
+"""Number of different angles with decimals, the largest above 3, that are taken for radians wherever they stand."""
 
 
 class TrialWeight(BaseModel):
@@ -76,3 +85,36 @@ class TrialWeight(BaseModel):
         if self.radius is None:
             return amount * KILOGRAM_METRES[self.unit]
         return amount * KILOGRAMS[self.unit] * self.radius * RADII[self.radius_unit]
+
+
+def require_likely_columns(weight: TrialWeight, columns: Mapping[str, Sequence[float]]) -> None:
+    """Raise ValueError where columns hold a weight below zero, or angles in radians.
+
+    columns: values of each column that the weight names, row by row.
+    """
+    amounts = columns[weight.amount] if isinstance(weight.amount, str) else None
+    for row, amount in enumerate(amounts or ()):
+        if amount < 0.0:
+            raise ValueError(
+                f"column '{weight.amount}' is {amount:g} in row {row + 1}: a weight is not below zero; on the opposite side "
+                "its angle differs by 180°"
+            )
+    if isinstance(weight.angle_deg, str):
+        angles = columns[weight.angle_deg]
+        shown = {angle for row, angle in enumerate(angles) if angle != 0.0 and (amounts is None or amounts[row] != 0.0)}
+        if _are_radians(shown):
+            listed = ", ".join(f"{one:g}" for one in sorted(shown)[:4])
+            raise ValueError(
+                f"column '{weight.angle_deg}' holds angles such as {listed}, as radians are: `angle_deg` is in degrees, so "
+                f"{max(shown):g} rad is {math.degrees(max(shown)):.4g}. Convert the column, or add 360 to angles that are "
+                "degrees indeed"
+            )
+
+
+def _are_radians(angles: set[float]) -> bool:
+    """Return whether angles, zero left out, are numbers of radians rather than of degrees."""
+    if not angles or max(map(abs, angles)) > FULL_TURN or all(one == int(one) for one in angles):
+        return False
+    if all(abs(one / STEP - round(one / STEP)) * STEP <= NEAR_STEP for one in angles):
+        return True
+    return len(angles) >= FEWEST_ANGLES and max(map(abs, angles)) > LARGE_ANGLE

@@ -11,6 +11,7 @@ import re
 import signal
 import threading
 import time
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -252,9 +253,10 @@ def replay(
     connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
     speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
 ) -> None:
-    """Publish a recorded run over zenoh, in real or compressed time."""
+    """Publish a recorded run over zenoh, in real or compressed time; dwells without waiting between them."""
     from formats.files.document_files import UnreadableFile
-    from formats.recordings.recording import read_recording, split
+    from formats.recordings.recording import UNSTATED_START, read_recording, split, states_start
+    from formats.recordings.replayed_dwells import dwells_text, replayed_dwells
     from formats.wire import Key
     from service.messaging.access_control import AccessUnusable, from_environment
     from service.messaging.session import StreamUnusable, wait_connected
@@ -265,7 +267,14 @@ def replay(
     log_to_terminal("INFO")
     stop = _stop_on_signal()
     try:
-        batch = read_recording(file, sidecar)
+        batch, dwells = replayed_dwells(read_recording(file, sidecar), file, sidecar)
+        if not states_start(file, sidecar):
+            print_line(
+                f"{file}: its sidecar does not say when it was taken, so it is put at {UNSTATED_START:%Y-%m-%d}; every other "
+                "such recording falls on the same time, and a service takes two for one. Say it, as in `start: "
+                "2026-11-21T12:00:00Z`",
+                err=True,
+            )
         with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
             if not wait_connected(session, connect, give_up=stop.wait):
                 return
@@ -273,12 +282,14 @@ def replay(
                 began, first = time.monotonic(), batch.time_ns[0]
                 with working(f"publishing {file.name}") as report:
                     for piece in split(batch, BATCH_SAMPLES):
-                        due = began + (piece.time_ns[-1] - first) / 1e9 / speedup
+                        due = began + (0.0 if dwells else (piece.time_ns[-1] - first) / 1e9 / speedup)
                         if stop.wait(max(0.0, due - time.monotonic())):
                             return
                         source.publish(piece)
                         report(source.sequence, len(batch.time_ns))
                 logging.getLogger(__name__).info("%d samples published", source.sequence)
+                if dwells:
+                    print_text(dwells_text(batch.machine, dwells))
                 stop.wait(LINGER_S)  # to answer replay queries
     except (UnreadableFile, StreamUnusable, AccessUnusable) as error:
         fail(str(error))
@@ -330,10 +341,18 @@ def sample(
         list[str] | None,
         typer.Option(help="trial weight that is on: DISC=AMOUNT,ANGLE in g mm and °, such as core=2000,90"),
     ] = None,
+    start: Annotated[
+        datetime | None,
+        typer.Option(
+            formats=["%Y-%m-%dT%H:%M:%S", "%Y-%m-%d"],
+            help="time of the first sample, in UTC; by default a day after the machine's newest recording beside FILE",
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
     from formats.files.document_files import UnreadableFile
+    from formats.recordings.next_start import next_start
     from formats.recordings.recording import write_recording
     from formats.wire import as_sent
     from rotorundown.simulation import simulate as simulate_run
@@ -356,6 +375,7 @@ def sample(
             interval_s=run.interval_s,
             gap_um=None if gaps is None else as_sent(gaps.place, described),
             weights=on,
+            start=next_start(file.parent, described.id) if start is None else start,
         )
     except (UnreadableFile, ValueError, OSError) as error:
         fail(words_of(error))

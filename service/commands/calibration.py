@@ -43,11 +43,9 @@ def calibrate(
         described = read_machine(machine)
         print_warnings(described)
         with working("calibrating"):
-            found = calibrated(described, files, seed=seed, gain_drift=gain_drift / 100.0)
+            found = calibrated(described, files, seed=seed, gain_drift=gain_drift / 100.0, report=_print_at_once)
     except (UnreadableFile, NotCalibrated) as error:
         fail(str(error))
-    for line in found.left_out:
-        print_line(line, err=True)
     if as_json:
         said = found.found
         told = {"machine": described.id, "accepted": found.accepted, "verdict": found.verdict, "remarks": said.remarks}
@@ -65,3 +63,10 @@ def calibrate(
         f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since",
         err=as_json,
     )
+    for doubt in found.found.doubts:
+        print_line(f"Before you use it: {doubt}", err=True)
+
+
+def _print_at_once(line: str) -> None:
+    """Print what was left out of a recording, or speaks against it, as soon as it is known."""
+    print_line(line, err=True)

@@ -61,7 +61,7 @@ IDENTIFICATIONS = (
     Column("id", "integer", "number of the identification"),
     Column("revision", "integer", "revision of the machine's document that it was made with"),
     Column("scope", "text", "run: one run; gathered: the newest runs together; variant: one run with other options"),
-    Column("run_kind", "text", "run-up, run-down or rolling"),
+    Column("run_kind", "text", "run-up, run-down, rolling or dwells"),
     Column("run_ids", "text", "numbers of its runs, as JSON"),
     _MEASURED,
     _COMPUTED,
@@ -133,7 +133,7 @@ ALERT_EVENTS = (
 RUNS = (
     Column("id", "integer", "number of the run"),
     Column("revision", "integer", "revision of the machine's document then"),
-    Column("kind", "text", "run-up, run-down or rolling"),
+    Column("kind", "text", "run-up, run-down, rolling or dwells"),
     _DIRECTION,
     Column("state", "text", "open, closed or discarded"),
     Column("reason", "text", "why it ended"),

@@ -18,6 +18,7 @@ from estimator.calibration.calibrated_document import calibrated_document, is_th
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.errors import Conflict, Invalid
 from estimator.machine.document import Machine, parse_machine
+from estimator.runs.dwells import dwelling
 from rotorundown.environment.release import VERSION
 from service.balancing.stored_runs import StoredWeight, added_unbalance, read_weights
 from service.identification.calibration_task import CalibrationOutcome, CalibrationTask, StoredCalibrationRun
@@ -25,7 +26,7 @@ from service.identification.job_options import Requester
 from service.identification.job_quota import LONGEST_IDENTITY
 from service.monitoring import baseline_changes
 from storage.clock import now
-from storage.encoding.sample_blocks import encode
+from storage.encoding.sample_blocks import Samples, encode
 from storage.findings import jobs
 from storage.machines import machines, model_calibrations, timeline
 from storage.measurements import runs
@@ -103,7 +104,7 @@ def request_calibration(
         )
     require_place(session, machine_id, requester)
     for one in asked:
-        _require_closed(runs.get(session, one.run))
+        _require_usable(runs.get(session, one.run), steady=one.steady)
     stored = {"runs": [asdict(one) for one in asked], "seed": seed}
     row = model_calibrations.add(session, machine_id, revision=revision, asked=stored, by=by, comment=comment)
     job = jobs.enqueue(
@@ -186,28 +187,36 @@ def _checked(session: Session, machine: Machine, one: CalibrationRunAsked) -> Ca
             f"run {one.run} was measured under revision {run.revision} of the document, which describes another train than "
             "the one in force"
         )
-    _require_closed(run)
-    held = runs.samples(session, one.run)
-    if held is None or len(held) == 0:
-        raise CalibrationRunUnsuitable(f"run {one.run} has no samples")
+    _require_usable(run, steady=one.steady)
+    held = _samples(session, one)
     added = np.tile(added_unbalance(machine, one.weights), (len(held), 1))
     measurement = replace(held.measurement(), added=added)
     return CalibrationRun(_name(one), measurement, (_mounting(one),) * len(held), one.steady)
 
 
-def _require_closed(run: RunRow) -> None:
-    """Raise CalibrationRunUnsuitable or SamplesReleased unless a run is closed and has its samples."""
-    if run.state != runs.CLOSED:
-        raise CalibrationRunUnsuitable(f"run {run.id} is {run.state}: only closed runs calibrate")
+def _require_usable(run: RunRow, *, steady: bool) -> None:
+    """Raise CalibrationRunUnsuitable or SamplesReleased unless a run is over and its samples calibrate."""
+    if run.state not in (runs.CLOSED, runs.DISCARDED):
+        raise CalibrationRunUnsuitable(f"run {run.id} is {run.state}: only closed runs calibrate, and dwells")
+    if run.state == runs.DISCARDED and not steady:
+        raise CalibrationRunUnsuitable(
+            f"run {run.id} is discarded ({run.reason}), and calibrates nothing as a sweep; where its samples are dwells at "
+            "constant speed, say so: `steady: true`"
+        )
     runs.require_kept(run)
 
 
 def _stored(session: Session, machine: Machine, one: CalibrationRunAsked) -> StoredCalibrationRun:
-    held = runs.samples(session, one.run)
-    if held is None:
-        raise CalibrationRunUnsuitable(f"run {one.run} has no samples")
     added = added_unbalance(machine, one.weights)
-    return StoredCalibrationRun(_name(one), encode(held), added, _mounting(one), one.steady)
+    return StoredCalibrationRun(_name(one), encode(_samples(session, one)), added, _mounting(one), one.steady)
+
+
+def _samples(session: Session, one: CalibrationRunAsked) -> Samples:
+    """Return the samples of a run that calibrate: all of a sweep, those at constant speed of dwells."""
+    held = runs.samples(session, one.run)
+    if held is None or len(held) == 0:
+        raise CalibrationRunUnsuitable(f"run {one.run} has no samples")
+    return held.pick(dwelling(held.speed)) if one.steady else held
 
 
 def _read(said: Mapping[str, Any]) -> CalibrationRunAsked:

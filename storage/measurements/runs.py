@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.errors import Gone, Missing
 from estimator.runs.coverage import Coverage
+from estimator.runs.dwells import DWELLS
 from estimator.runs.speed_bins import ROLLING
 from storage.clock import latest, to_datetime
 from storage.encoding.sample_blocks import DamagedBlock, Samples, decode, encode
@@ -33,6 +34,8 @@ LEFT_OUT = "late_samples_left_out"
 CROSSED = "critical_speeds_rpm"
 """Field of `runs.coverage`: critical speeds of the document's model within the run's speed range [r/min]."""
 LAST_TIME = 2**63 - 1
+NO_SWEEPS = (ROLLING, DWELLS)
+"""Kinds of runs that are no run-up or run-down, and stand beside these."""
 
 
 class RunUnknown(Missing):
@@ -153,7 +156,7 @@ def overlapping(session: Session, machine_id: str, *, revision: int, first: int,
     """Return the sweeps of one revision that overlap the time from first to last [ns], open ones included, oldest first."""
     query = (
         select(RunRow)
-        .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.kind != ROLLING)
+        .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.kind.not_in(NO_SWEEPS))
         .where(RunRow.time_first <= last, func.coalesce(RunRow.time_last, LAST_TIME) >= first)
         .order_by(RunRow.time_first)
     )
@@ -163,7 +166,7 @@ def overlapping(session: Session, machine_id: str, *, revision: int, first: int,
 def end_before(session: Session, row: RunRow, time: int) -> int:
     """Return when the last other sweep of a run's machine ended that was over by a time [ns]; 0 when there is none."""
     query = select(func.max(RunRow.time_last)).where(
-        RunRow.machine_id == row.machine_id, RunRow.kind != ROLLING, RunRow.id != row.id
+        RunRow.machine_id == row.machine_id, RunRow.kind.not_in(NO_SWEEPS), RunRow.id != row.id
     )
     return session.scalar(query.where(RunRow.time_last <= time)) or 0
 
@@ -274,7 +277,7 @@ def newest_closed(session: Session, machine_id: str, *, revision: int, limit: in
     query = (
         select(RunRow)
         .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.state == CLOSED)
-        .where(RunRow.kind != ROLLING, RunRow.released_at.is_(None))
+        .where(RunRow.kind.not_in(NO_SWEEPS), RunRow.released_at.is_(None))
         .order_by(RunRow.time_first.desc())
         .limit(limit)
     )

@@ -154,6 +154,12 @@ class Service:
         assert answer.status_code == 200, answer.text
         return answer.json()
 
+    def post(self, path: str, body: dict[str, Any]) -> Any:
+        """The JSON answer to a request that must make or queue something."""
+        answer = self.client.post(path, json=body)
+        assert answer.status_code in (201, 202), answer.text
+        return answer.json()
+
     def create(self, name: str) -> dict[str, Any]:
         """Create a machine from the examples."""
         answer = self.client.post("/machines", json=example(name))

@@ -1,7 +1,9 @@
 """Real input through real processes: an independent program's response, and a measured run-up."""
 
 import csv
+import json
 import math
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from service.sources.publisher import Source
 from storage.clock import now
 from storage.encoding.packing import QUANTUM
 from tests.end_to_end.processes import DATA, Service, example, rundown, until
+from tests.paths import EXAMPLES
 
 ROSS = "thesis-chapter-3"
 SEEDS = (0, 4, 7)
@@ -138,6 +141,41 @@ def test_measured_run_up_is_stored_as_one_run_equal_to_the_file(service: Service
         assert any(words.startswith("sweep rate: V1 beats behind") for words in quality["findings"])
         assert quality["counts"]["sweep-rate-beat"] > 60
         assert all(quality["reasons"][0][i] for i, row in enumerate(rows) if 1730 < row["rpm"] < 2000)
+
+
+def test_measured_dwells_are_replayed_made_runs_of_and_calibrate(service: Service) -> None:
+    kit = "rk4-rotor-kit-four-probes"
+    with service.running():
+        service.create(kit)
+        table = EXAMPLES / "recordings" / "rk4_unbalance_1x.csv"
+        replayed = rundown("replay", str(table), "--connect", service.endpoint)
+        assert replayed.returncode == 0, replayed.stderr
+        assert "its sidecar does not say when it was taken" in replayed.stderr
+        told = re.findall(r"^  (\w+): (\{.*?\}), and as (\{.*\})$", replayed.stdout, re.MULTILINE)
+        assert len(told) == 20
+        until(
+            lambda: len(service.get(f"/machines/{kit}/samples")["time"]) == 40 or None,
+            within_s=20,
+            what="all rows are stored",
+        )
+        assert service.get(f"/machines/{kit}/runs") == [], "dwells are no sweep"
+        asked, rows = [], []
+        for mounting, period, run in told:
+            made = service.post(f"/machines/{kit}/runs", json.loads(period) | {"by": "Ada"})
+            assert made["kind"] == "dwells", mounting
+            rows.append(made["samples"])
+            asked.append(json.loads(run) | {"run": made["id"]})
+        assert sum(rows) == 40, "each row is in one run"
+        path = f"/machines/{kit}/model-calibrations"
+        number = service.post(path, {"runs": asked, "by": "Ada"})["id"]
+
+        def computed() -> dict[str, Any] | None:
+            found: dict[str, Any] = service.get(f"{path}/{number}")
+            return found if found["accepted"] is not None or found["error"] else None
+
+        found = until(computed, within_s=150, what="the calibration is computed")
+        assert found["accepted"], found
+        assert found["verdict"].startswith("accepted")
 
 
 def test_offline_identification_prints_estimates(tmp_path: Path) -> None:

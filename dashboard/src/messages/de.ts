@@ -904,6 +904,7 @@ export const de: Record<Key, string> = {
   "term.run_up": "Hochlauf",
   "term.run_down": "Auslauf",
   "term.rolling": "Dauerlauf",
+  "term.dwells": "Haltedrehzahlen",
   "term.pooled": "gemeinsam",
   "term.stopped": "steht",
   "term.slow_roll": "Slow-Roll",

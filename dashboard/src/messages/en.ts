@@ -903,6 +903,7 @@ export const en = {
   "term.run_up": "run-up",
   "term.run_down": "run-down",
   "term.rolling": "rolling",
+  "term.dwells": "dwells",
   "term.pooled": "pooled",
   "term.stopped": "stopped",
   "term.slow_roll": "slow roll",

@@ -28,7 +28,11 @@ class CalibrationRunIn(StrictModel):
     mounting: DisplayName | None = Field(
         default=None, description="runs with the same name were not dismounted between; by default each run is one of its own"
     )
-    steady: bool = Field(default=False, description="samples are dwells at constant speed, of no sweep")
+    steady: bool = Field(
+        default=False,
+        description="samples are dwells at constant speed, of no sweep: such a run may have been discarded as one; "
+        "`POST /machines/{machine_id}/runs` makes one",
+    )
 
 
 class ModelCalibrationIn(StrictModel):

@@ -7,6 +7,7 @@ from estimator.calibration.calibration_runs import check_runs
 from estimator.machine.calibration import Calibration
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import parse_machine
+from estimator.runs.dwells import DWELLS
 from service.api.cache.model_process import ModelProcess
 from service.api.cache.worker_computation import compute_in_worker
 from service.api.conventions.changes_in_turn import change_place, takes_turns_of_its_own
@@ -22,6 +23,7 @@ from service.security.requirement import ADMIN, ANALYST, VIEWER
 from storage.clock import to_datetime
 from storage.findings import jobs
 from storage.machines import balancings, machines, model_calibrations
+from storage.measurements import runs
 from storage.tables.machines import ModelCalibrationRow
 
 router = APIRouter(
@@ -70,8 +72,8 @@ def request_model_calibration(
 
     def check(process: ModelProcess) -> None:
         with database(request).reading() as reading:
-            machine, runs = calibration_jobs.read_runs(reading, machine_id, revision, asked)
-        process.compute(check_runs, machine, runs)
+            machine, found = calibration_jobs.read_runs(reading, machine_id, revision, asked)
+        process.compute(check_runs, machine, found)
 
     compute_in_worker(request, ("runs of a calibration", machine_id, revision, tuple(asked)), check)
     with change_place(request), database(request).transaction() as session:
@@ -112,12 +114,21 @@ def _calibration_run(body: schemas.CalibrationRunIn, scale: DiscScale, direction
 def _of_a_balancing(session: Session, machine_id: str, balancing_id: int) -> list[CalibrationRunAsked]:
     """Return the initial and trial runs of a balancing, and its check run where its weights were stated."""
     steps = balancings.get(session, machine_id, balancing_id).steps
-    found = [CalibrationRunAsked(run) for run in steps["initial"]]
+    found = [CalibrationRunAsked(run, steady=_are_dwells(session, run)) for run in steps["initial"]]
     loaded = [one for one in [*steps["trials"], steps["check"]] if one is not None and one["weights"] is not None]
-    found += [CalibrationRunAsked(one["run"], tuple(read_weights(one["weights"]))) for one in loaded]
+    found += [
+        CalibrationRunAsked(one["run"], tuple(read_weights(one["weights"])), steady=_are_dwells(session, one["run"]))
+        for one in loaded
+    ]
     if len(found) == len(steps["initial"]):
         raise Unsuitable(f"balancing {balancing_id} has no trial run yet, whose weights could calibrate")
     return found
+
+
+def _are_dwells(session: Session, run_id: int) -> bool:
+    """Return whether a run of a balancing, which says nothing of that, was taken at constant speeds."""
+    row = runs.get(session, run_id)
+    return row.kind == DWELLS or row.state == runs.DISCARDED
 
 
 def _summary(session: Session, row: ModelCalibrationRow, in_force: Calibration | None) -> schemas.ModelCalibrationSummary:

@@ -3,17 +3,19 @@
 from collections.abc import Sequence
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query, Request, Response, status
 from pydantic import BeforeValidator, Field
 
-from service.api.conventions.dependencies import MachineId, Number, Period, Reading
+from service.api.conventions.dependencies import LAST_INSTANT, MICROSECOND, MachineId, Number, Period, Reading, database
 from service.api.conventions.formats import CSV, csv_bytes
 from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.units import UnitsIfAsked
 from service.api.measurements import rendering, schemas
 from service.api.measurements.corrections import SlowRollQuery, corrected_phasors, most_samples, run_samples
-from service.security.requirement import VIEWER
+from service.runs.dwell_runs import add_dwells, read_dwells
+from service.security.requirement import ANALYST, VIEWER
+from storage.clock import from_datetime
 from storage.machines import machines
 from storage.measurements import runs, samples
 
@@ -82,10 +84,28 @@ def read_samples(
 
 @router.get("/machines/{machine_id}/runs", operation_id="list_runs")
 def list_runs(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.Run]:
-    """List run-ups and run-downs that began in a time range, newest first."""
+    """List run-ups, run-downs and runs of dwells that began in a time range, newest first."""
     machines.get(session, machine_id)
     rows = runs.of_machine(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
     return [rendering.run(row) for row in paging.page(rows, lambda row: (row.time_first, row.id))]
+
+
+@router.post(
+    "/machines/{machine_id}/runs", operation_id="make_run", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST]
+)
+def make_run(request: Request, response: Response, machine_id: MachineId, body: schemas.DwellsIn) -> schemas.Run:
+    """Make a run of the dwells at constant speed in a time range, for calibrations (`steady`) and balancings.
+
+    Sweeps become runs by themselves; a machine that was held at some speeds makes none. Samples taken while the speed changed
+    between dwells are left out. The run is kind `dwells`, and is not identified.
+    """
+    last = min(LAST_INSTANT, from_datetime(body.last) + MICROSECOND - 1)
+    with database(request).reading() as session:
+        found = read_dwells(session, machine_id, first=from_datetime(body.first), last=last)
+    with database(request).transaction() as session:
+        row = add_dwells(session, found, by=body.by)
+        response.headers["Location"] = f"/api/v1/runs/{row.id}"
+        return rendering.run(row)
 
 
 @router.get("/runs/{run_id}", operation_id="read_run")

@@ -4,11 +4,14 @@ Times are RFC 3339 in UTC; a missing value is null, never NaN.
 """
 
 from datetime import datetime
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 
+from estimator.strict_model import StrictModel
+from service.api.conventions.fields import Moment
 from service.api.conventions.units import Units
+from service.security.principal import Author
 
 
 class PhasorsInUnits(BaseModel):
@@ -108,8 +111,22 @@ class RunQuality(QualitySummary):
     noise: dict[str, ChannelNoise]
 
 
+class DwellsIn(StrictModel):
+    """A time range in which a machine was held at one or several constant speeds, with one set of trial weights."""
+
+    first: Moment = Field(alias="from", description="of the first sample, RFC 3339 with its zone")
+    last: Moment = Field(alias="to", description="of the last sample")
+    by: Author
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.first > self.last:
+            raise ValueError("from lies behind to: exchange them")
+        return self
+
+
 class Run(BaseModel):
-    """A run-up, a run-down, or a rolling collection over speed bins."""
+    """A run-up, a run-down, a rolling collection over speed bins, or dwells that somebody made a run of."""
 
     id: int
     machine: str

@@ -8,6 +8,7 @@ from benchmarks.calibration.simulated_kit import SimulatedKit
 from estimator.calibration.calibrate import Calibrated, calibrate, with_named_senses
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.calibration.mixed_units import explaining_units, mixed_units
+from estimator.phasors.measurement import joined
 from estimator.units import KILOGRAM_METRES
 
 DISCS = ("D1", "D2")
@@ -38,6 +39,7 @@ def test_heavier_weights_are_named_with_the_units_that_explain_them(runs: list[C
     found = mixed_units(DISCS, [*runs[:2], told(runs[2], INCH), *runs[3:]])
     assert found is not None
     assert found.ratio == pytest.approx(INCH)
+    assert [row.any() for row in found.doubted] == [False, False, True, False, False, False, False]
     assert found.units[0] == ("g in", "g mm")
     assert found.remark.startswith("the weights of run-2 are 25 times as heavy as the others: are units mixed (such as g mm")
     of_disc = mixed_units(DISCS, [told(run, INCH) if k % 2 else run for k, run in enumerate(runs)])
@@ -50,6 +52,20 @@ def test_the_units_that_were_given_come_first(runs: list[CalibrationRun]) -> Non
     found = mixed_units(DISCS, given)
     assert found is not None
     assert found.units[0] == ("oz in", "g in")
+
+
+def test_one_weight_that_is_far_too_light_is_named_rather_than_all_others(runs: list[CalibrationRun]) -> None:
+    """48 said in g mm where kg mm were meant; all units are known, and none is lighter by a thousand than g mm."""
+    given = [told(run, 1e-3 if k == 2 else 1.0, "g mm") for k, run in enumerate(runs)]
+    found = mixed_units(DISCS, given)
+    assert found is not None
+    assert found.remark.startswith(
+        "the weights of run-2 are 1000 times lighter than the others: are units mixed (such as kg mm"
+    )
+    assert found.units[0] == ("g mm", "kg mm")
+    right = np.asarray(runs[2].measurement.added)
+    words = explaining_units(DISCS, given, lambda other: np.allclose(np.asarray(other[2].measurement.added), right))
+    assert words == "it fits with the weights of run-2, which were given in g mm, in kg mm"
 
 
 def test_what_explains_the_runs_is_named_and_nothing_where_nothing_does(runs: list[CalibrationRun]) -> None:
@@ -72,3 +88,26 @@ def test_a_calibration_with_mixed_units_is_refused_and_names_them(runs: list[Cal
     assert not found.accepted
     named = ", ".join(f"run-{k}" for k in which)
     assert f"it fits with the weights of {named}, which were given in g in, in g mm" in found.verdict
+
+
+def test_a_calibration_with_one_weight_too_light_names_it(runs: list[CalibrationRun]) -> None:
+    found = calibrated([told(run, 1e-3 if k == 2 else 1.0, "g mm") for k, run in enumerate(runs)])
+    assert "the weights of run-2 are 1000 times lighter than the others" in "; ".join(found.remarks)
+    assert not found.accepted
+    assert "it fits with the weights of run-2, which were given in g mm, in kg mm" in found.verdict
+
+
+def test_one_weight_of_a_table_is_named_by_its_mounting(runs: list[CalibrationRun]) -> None:
+    whole = [told(run, 1e-3 if k == 2 else 1.0, "g mm") for k, run in enumerate(runs)]
+    table = CalibrationRun(
+        "table.csv",
+        joined([run.measurement for run in whole]),
+        tuple(name for run in whole for name in run.mounting),
+        steady=True,
+        units=("g mm", "g mm"),
+    )
+    found = mixed_units(DISCS, [table])
+    assert found is not None
+    assert found.words == "the weights of run-2 in table.csv"
+    assert found.units[0] == ("g mm", "kg mm")
+    assert mixed_units(DISCS, [replace(table, measurement=joined([run.measurement for run in runs]))]) is None

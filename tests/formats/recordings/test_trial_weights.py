@@ -151,3 +151,29 @@ def test_a_radius_that_is_no_number_of_mm_needs_its_unit(radius: float) -> None:
         TrialWeight.model_validate(said)
     assert TrialWeight.model_validate(said | {"radius_unit": "mm"}).radius == radius
     assert TrialWeight.model_validate(said | {"radius": 30}).radius_unit == "mm"
+
+
+def in_columns(folder: Path, *weights: tuple[float, float]) -> RecordedCircumstances:
+    path = write(folder, added_unbalance={"D1": {"amount": "weight", "unit": "g mm", "angle_deg": "at"}})
+    rows = [f"1000,3,4,{amount},{angle},A,0.1" for amount, angle in weights]
+    path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
+    return read_circumstances(path)
+
+
+def test_a_column_with_a_weight_below_zero_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UnreadableFile, match="column 'weight' is -48 in row 2: a weight is not below zero"):
+        in_columns(tmp_path, (48, 0), (-48, 90))
+
+
+@pytest.mark.parametrize("angles", [(0, 1.5708), (0, 1.5708, 3.1416, 4.7124), (0.52, 2.31, 4.05, 6.1), (-1.571, 1.571)])
+def test_a_column_of_angles_in_radians_is_refused(tmp_path: Path, angles: tuple[float, ...]) -> None:
+    with pytest.raises(
+        UnreadableFile, match=r"column 'at' holds angles such as .*, as radians are: `angle_deg` is in degrees"
+    ):
+        in_columns(tmp_path, *((48, angle) for angle in angles))
+
+
+@pytest.mark.parametrize("angles", [(0, 0), (0, 5), (1, 2, 3, 4), (0, 1.5708, 90), (1.2, 2.4), (30.5, 120.25)])
+def test_a_column_of_angles_in_degrees_is_taken(tmp_path: Path, angles: tuple[float, ...]) -> None:
+    found = in_columns(tmp_path, *((48, angle) for angle in angles), (0, 0.26))
+    assert len(found.added["D1"]) == len(angles) + 1

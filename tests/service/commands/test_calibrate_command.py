@@ -12,6 +12,7 @@ import yaml
 from typer.testing import CliRunner
 
 from formats.files.document_files import read_machine
+from rotorundown.calibration import NotCalibrated
 from service.commands.app import app
 from tests.paths import EXAMPLES
 from tests.service.commands.command_line import run
@@ -185,6 +186,10 @@ def test_gains_that_no_chain_has_ask_for_the_unit_of_the_weights(tmp_path: Path)
     text = run("calibrate", DOCUMENT, few, "--output", str(tmp_path / "kit.yaml"))
     assert "which no usual chain does: are the trial weights' units right (such as" in text
     assert "g mm given as g in" in text
+    *_, written, doubt = text.splitlines()
+    assert written.startswith("Written: ")
+    assert doubt.startswith("Before you use it: the channels read ")
+    assert "(such as g mm given as g in" in doubt
 
 
 @pytest.mark.parametrize("command", ["calibrate", "identify"])
@@ -231,3 +236,20 @@ def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> Non
         "it fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
     )
     assert not output.exists()
+
+
+def test_runs_that_never_enter_the_speed_range_are_told_before_the_fit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    document = tmp_path / "kit.yaml"
+    said = yaml.safe_load(Path(DOCUMENT).read_text()) | {"speed_range": {"minimum_rpm": 2000, "maximum_rpm": 4000}}
+    document.write_text(yaml.safe_dump(said))
+    file = recording(tmp_path, "slow", held=False)
+
+    def never(*_: object, **__: object) -> None:
+        raise NotCalibrated("the fit begins")
+
+    monkeypatch.setattr("rotorundown.calibration.calibrate_runs", never)
+    first, *rest = run("calibrate", str(document), file, status=1).splitlines()
+    assert first.startswith(f"{file}: it turns at 1002 to 1209 r/min and never enters the document's speed range")
+    assert "the fit begins" in rest[-1]

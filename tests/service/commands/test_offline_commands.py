@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,11 @@ import numpy as np
 import pytest
 import yaml
 
+from estimator.calibration.calibration_runs import check_runs
 from estimator.machine.document import parse_machine
 from formats.files.document_files import read_machine
+from formats.recordings.recorded_runs import read_calibration_runs
+from formats.recordings.recording import read_recording, states_start
 from rotorundown.environment.release import VERSION
 from tests.estimator.trains import LATERAL, Complexes, Document, chapter_3_document, dense_response, noisy
 from tests.service.commands.command_line import run
@@ -278,8 +282,10 @@ def test_a_run_is_sampled_with_trial_weights_that_its_sidecar_states(tmp_path: P
         "D1": {"amount": 2000.0, "unit": "g mm", "angle_deg": -90.0}
     }
     assert json.loads(said)["weights"] == {"D1": {"amount_g_mm": 2000.0, "angle_deg": -90.0}}
-    assert "added_unbalance" not in without.with_suffix(".yaml").read_text()
+    assert yaml.safe_load(without.with_suffix(".yaml").read_text())["added_unbalance"] == "none"
     assert file.read_text() != without.read_text()
+    machine = read_machine(Path(DOCUMENT))
+    assert check_runs(machine, read_calibration_runs(machine, [without, file])[0]), "remarks, and nothing against the runs"
 
 
 @pytest.mark.parametrize(
@@ -306,6 +312,22 @@ def test_the_same_seeds_sample_the_same_run(tmp_path: Path) -> None:
     run("sample", DOCUMENT, str(tmp_path / "other.csv"), "--samples", "20", "--run-seed", "2")
     one, two, other = ((tmp_path / f"{name}.csv").read_text() for name in ("one", "two", "other"))
     assert one == two != other
+
+
+def test_runs_sampled_one_after_the_other_are_a_day_apart_and_the_same_again_elsewhere(tmp_path: Path) -> None:
+    starts: list[list[int]] = []
+    for folder in (tmp_path / "here", tmp_path / "there"):
+        folder.mkdir()
+        files = [folder / f"{name}.csv" for name in ("one", "two", "three", "four")]
+        for file in files[:2]:
+            run("sample", DOCUMENT, str(file), "--samples", "20")
+        run("sample", DOCUMENT, str(files[2]), "--samples", "20", "--start", "2026-11-21T12:00:00")
+        run("sample", DOCUMENT, str(files[3]), "--samples", "20")
+        starts.append([read_recording(file).time_ns[0] // 10**9 for file in files])
+        assert all(states_start(file) for file in files)
+    stated = int(datetime(2026, 11, 21, 12, tzinfo=UTC).timestamp())
+    first = int(datetime(2000, 1, 2, tzinfo=UTC).timestamp())
+    assert starts == [[first, first + 86_400, stated, stated + 86_400]] * 2
 
 
 def test_options_that_do_not_go_together(healthy: str) -> None:
