@@ -20,8 +20,7 @@ from estimator.fit.problem.channel_coordinates import ChannelCoordinates
 from estimator.fit.problem.placed_models import FollowingCoefficients, PlacedModel
 from estimator.fit.problem.prior import Prior, calibrated_prior, variance_between_runs
 from estimator.fit.problem.train_models import train_models
-from estimator.machine.alignment_rules import HealthyVariation
-from estimator.machine.calibration import Calibration
+from estimator.machine.document import Machine
 from estimator.quantities import Quantity
 from estimator.rotor.coefficient_models import expects_a_law
 from estimator.rotor.condensation import CondensedTrain
@@ -94,9 +93,7 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
             The coordinates.
         """
         found = _CoordinateBuilder(train, unbalance_scale).build()
-        if train.machine is None or train.machine.calibration is None:
-            return found
-        return _calibrated(found, train.machine.calibration, train.machine.operation.healthy_variation)
+        return found if train.machine is None else _calibrated(found, train.machine)
 
     @cached_property
     def nuisance(self) -> NDArray[np.bool_]:
@@ -236,15 +233,17 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         return result
 
 
-def _calibrated(coordinates: Coordinates, calibration: Calibration, variation: HealthyVariation) -> Coordinates:
+def _calibrated(coordinates: Coordinates, machine: Machine) -> Coordinates:
     """Return the coordinates with the calibration's values and joint covariance as the prior of those that it holds."""
+    if machine.calibration is None:
+        return coordinates
     given = calibrated_prior(
-        calibration,
+        machine.calibration,
         names=coordinates.names,
         origin=coordinates.origin,
         unit=coordinates.unit,
         between_runs=coordinates.between_runs,
-        variation=variation,
+        variation=machine.operation.healthy_variation,
     )
     if given is None:
         return coordinates

@@ -36,6 +36,7 @@ STATES_AND_COUNTS = {
     "phasors.recorded_run",
     "quantities",
     "runs.coverage",
+    "runs.dwells",
     "runs.operating_state",
     "runs.sample_selection",
     "runs.segmentation",
@@ -93,6 +94,8 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
                 "estimator.calibration.calibrated_document.with_gain_drift",
                 "estimator.calibration.calibration_runs",
                 "estimator.machine.document",
+                "estimator.runs.dwells",
+                "estimator.runs.dwells.dwelling",  # follows the speed of samples that are read already
             },
         ),
         (
