@@ -54,7 +54,7 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         channels: Gains and run-outs of the channels.
         quantities: Physical quantity of each of the K coefficients.
         guessed: True for direct terms whose expected value no document gave (K,).
-        calibrated: Precision (n, n) of the prior [-] where a calibration gave it, in place of that of `spread`; else None.
+        calibrated: Precision (n, n) of the prior [-] where a calibration gave it, in place of that of `spread`.
         calibrated_places: Indices of the coordinates that the calibration holds.
         between_runs: Part (n,) of the prior's variance by which each varies from run to run of one machine [-].
     """
@@ -158,8 +158,7 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
             coefficient: Index of the coefficient.
 
         Returns:
-            Indices of its coordinates: one; or those of its model, without parameters that this reads from other models; or
-            none where it is fixed.
+            Indices of its coordinates: one; those of its model, without what this reads from others; none where it is fixed.
         """
         for one in self.models:
             if coefficient in one.coefficients:
