@@ -16,7 +16,7 @@ from estimator.rotor.assembly import assemble_rotor
 from estimator.units import KILOGRAM_METRES
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, mass_and_centre
 
-LARGEST_SHIFT = 1e-3
+LARGEST_SHIFT = 2.5e-3
 """Largest shift of the rotor's centre of mass by a weight that is taken for meant [m]."""
 USUAL_SHIFT = 3e-5
 """Usual shift of the rotor's centre of mass by a trial weight [m]."""
