@@ -61,9 +61,7 @@ def without_gains_of_calibration(train: CondensedTrain) -> CondensedTrain:
     machine = train.machine
     if machine is None or machine.calibration is None:
         return train
-    held = {
-        name for name in machine.calibration.parameters if not (describe(name).channel and describe(name).quantity == "gain")
-    }
+    held = {name for name in machine.calibration.parameters if describe(name).quantity != "gain"}
     return replace(train, machine=_held_by(machine, held))
 
 

@@ -193,7 +193,7 @@ def _changed_since_calibration(
         if not freed.found.accepted:
             return None
         with_gains = fitted(without_gains_of_calibration(train), begin)
-    except NotEnoughData:  # what the calibration held is more than the run can tell
+    except (NotEnoughData, FitFailed):  # what the calibration held is more than the run can tell
         return None
     clear = freed.criterion(held=held) < with_gains.criterion(held=held) - CLEAR
     if with_gains.found.accepted and not clear:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.fit.changed_coefficients import without_calibrated_coefficients
+from estimator.fit.changed_coefficients import CLEAR, without_calibrated_coefficients
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.coupling_neighbours import neighbouring_bearings
@@ -27,8 +27,6 @@ from estimator.rotor.coefficient_models import governing_models
 from estimator.rotor.parameters import unknowns
 from estimator.units import rpm_to_rad_per_s
 
-CLEAR = 10.0
-"""Difference of the criterion that is very strong evidence [-] (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
 RUN_SCATTER = 0.01
 """Relative rms difference of coefficients between runs of a machine to which nothing has happened, the baseline's own errors
 included [-].

@@ -12,8 +12,7 @@ from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from estimator.updated_model.vector_angle import angle_deg
 from service.balancing.correction_rows import (
-    PlaneWeight,
-    TrimWeight,
+    WeightToAdd,
     effect_rows,
     has_other_weights,
     limit_verdicts,
@@ -71,7 +70,7 @@ def _correction(found: FieldBalancing, language: Language, scale: DiscScale) -> 
     yield translate("balancing.counted")
 
 
-def _weight(found: FieldBalancing, one: PlaneWeight | TrimWeight, language: Language, scale: DiscScale) -> str:
+def _weight(found: FieldBalancing, one: WeightToAdd, language: Language, scale: DiscScale) -> str:
     """Return a plane's unbalance to add with its interval, and its angle on a scale."""
     digits, translate = language.digits, language.translate
     angle = digits(f"{_reading(found, scale, one.angle_deg):6.1f} ± {one.half_width_deg:.0f}")

@@ -21,8 +21,8 @@ OTHER_WEIGHTS = 0.1
 
 
 @dataclass(frozen=True)
-class PlaneWeight:
-    """An unbalance to add to a plane [g mm, °] with its 95 % interval, and the masses (place in °, g) that give it."""
+class WeightToAdd:
+    """An unbalance to add to what is on in a plane [g mm, °], with its 95 % interval."""
 
     plane: str
     g_mm: float
@@ -30,6 +30,12 @@ class PlaneWeight:
     upper_g_mm: float
     angle_deg: float
     half_width_deg: float
+
+
+@dataclass(frozen=True)
+class PlaneWeight(WeightToAdd):
+    """A weight of a correction, and the masses (place in °, g) that give it."""
+
     masses: tuple[tuple[float, float], ...]
     missed: float | None
     """Part of the best unbalance that the places miss [-]."""
@@ -128,26 +134,14 @@ def limit_verdicts(found: FieldBalancing) -> tuple[float, LimitVerdict] | None:
     return None if limit is None else (limit / MICROMETRES, limit_verdict(found.correction.after, limit))
 
 
-@dataclass(frozen=True)
-class TrimWeight:
-    """An unbalance to add to those that are on in a check run [g mm, °], with its 95 % interval."""
-
-    plane: str
-    g_mm: float
-    lower_g_mm: float
-    upper_g_mm: float
-    angle_deg: float
-    half_width_deg: float
-
-
-def trim_weights(found: FieldBalancing, check: BalancingCheck) -> Iterator[TrimWeight]:
+def trim_weights(found: FieldBalancing, check: BalancingCheck) -> Iterator[WeightToAdd]:
     """Yield what to add after a check run; nothing where that cannot be told from noise."""
     if check.is_trim_noise:
         return
     angles: Floats = angle_deg(check.trim)
     half = angle_half_width_deg(check.trim, check.trim_band.upper)
     for row, plane in enumerate(found.separation.planes):
-        yield TrimWeight(
+        yield WeightToAdd(
             plane=plane,
             g_mm=float(abs(check.trim[row])) / GRAM_MILLIMETRE,
             lower_g_mm=float(check.trim_band.lower[row]) / GRAM_MILLIMETRE,

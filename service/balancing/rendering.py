@@ -14,6 +14,7 @@ from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import (
     MICROMETRES,
+    WeightToAdd,
     effect_rows,
     has_other_weights,
     limit_verdicts,
@@ -34,12 +35,7 @@ def correction_fields(found: FieldBalancing) -> dict[str, Any]:
         "notes": list(found.notes),
         "planes": [
             {
-                "disc": one.plane,
-                "g_mm": one.g_mm,
-                "lower_g_mm": one.lower_g_mm,
-                "upper_g_mm": one.upper_g_mm,
-                "angle_deg": one.angle_deg,
-                "half_width_deg": one.half_width_deg,
+                **_weight(one),
                 "masses": [{"angle_deg": angle, "grams": grams} for angle, grams in one.masses],
                 "missed": one.missed,
             }
@@ -59,6 +55,17 @@ def correction_fields(found: FieldBalancing) -> dict[str, Any]:
     }
 
 
+def _weight(one: WeightToAdd) -> dict[str, Any]:
+    return {
+        "disc": one.plane,
+        "g_mm": one.g_mm,
+        "lower_g_mm": one.lower_g_mm,
+        "upper_g_mm": one.upper_g_mm,
+        "angle_deg": one.angle_deg,
+        "half_width_deg": one.half_width_deg,
+    }
+
+
 def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]:
     """Return what a check run shows beside what was promised."""
     shown = np.isfinite(check.vector)
@@ -74,17 +81,7 @@ def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]
         "limit_met": None if limit is None else bool(np.nanmax(np.abs(check.vector)) <= limit),
         "residual": [{**_plane(shaft, one), **_residual(one)} for shaft, one, _ in _pairs(check.residual, check.residual)],
         "unpredicted": list(check.unpredicted),
-        "trim": [
-            {
-                "disc": one.plane,
-                "g_mm": one.g_mm,
-                "lower_g_mm": one.lower_g_mm,
-                "upper_g_mm": one.upper_g_mm,
-                "angle_deg": one.angle_deg,
-                "half_width_deg": one.half_width_deg,
-            }
-            for one in trim_weights(found, check)
-        ],
+        "trim": [_weight(one) for one in trim_weights(found, check)],
         "trim_is_noise": check.is_trim_noise,
         "vectors": [
             {"point": point, **_polar(complex(value))}

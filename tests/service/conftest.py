@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
+from service.api.cache.model_process import ModelProcess
 from service.ingest import periodic_checks
 from service.ingest.ingest_thread import Ingest
 from service.messaging.session import connected, session
@@ -25,6 +26,14 @@ def urgent() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr(process_setup, "NICENESS", 0)
         yield
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[ModelProcess]:
+    """A process that computes for all tests of a module: it takes a second or two to start."""
+    one = ModelProcess()
+    yield one
+    one.close()
 
 
 @pytest.fixture

@@ -1,16 +1,13 @@
 """A rig that is held at some speeds is calibrated over the API: from runs too short for sweeps, and from named times."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 
 from estimator.machine.document import Machine, parse_machine
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors
 from estimator.units import rpm_to_rad_per_s
-from service.api.cache.model_process import ModelProcess
 from service.runs.closing import Closing
 from service.runs.collector import Collector
 from service.workers.executors import LocalExecutor
@@ -19,7 +16,7 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs
 from tests.api_in_process import Api
-from tests.identification import counts, identifying, working
+from tests.identification import counts, identifying
 from tests.plant import SECOND, START, arrived, batch, document, wait_until
 
 GAIN = 1.3 * np.exp(0.4j)
@@ -29,28 +26,6 @@ SPEEDS = (1000.0, 1150.0, 1300.0, 1450.0)
 """Speeds of the dwells [r/min], 17 % of the speed range."""
 DWELL_S, RAMP_S = 20, 3
 """Length of a dwell, and of the way to the next [s]."""
-
-
-@pytest.fixture(scope="module")
-def executor() -> Iterator[LocalExecutor]:
-    """A worker process for all these tests."""
-    with working(1) as one:
-        yield one
-
-
-@pytest.fixture(scope="module")
-def process() -> Iterator[ModelProcess]:
-    """Checks runs for all these tests."""
-    one = ModelProcess()
-    yield one
-    one.close()
-
-
-@pytest.fixture
-def api(database: Database, process: ModelProcess) -> Api:
-    found = Api(database)
-    found.app.state.model_process = process
-    return found
 
 
 class HeldPump:

@@ -1,6 +1,5 @@
 """Calibrations asked for over the API: computed in a real worker process, kept, put in force, and held to by later fits."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, cast
 
@@ -14,7 +13,6 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.slow_roll import SlowRoll
 from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors
 from estimator.units import rpm_to_rad_per_s
-from service.api.cache.model_process import ModelProcess
 from service.identification import calibration_jobs
 from service.identification.job_quota import JobQuota
 from service.workers.executors import LocalExecutor
@@ -26,35 +24,13 @@ from storage.measurements import runs
 from storage.tables.findings import JobRow
 from storage.tables.measurements import RunRow
 from tests.api_in_process import Api
-from tests.identification import counts, forward_samples, identifying, working
+from tests.identification import counts, forward_samples, identifying
 from tests.plant import SECOND, START, document, wait_until
 
 GAIN, RUN_OUT = 1.3 * np.exp(0.4j), 2e-6 - 1e-6j
 WEIGHT = 1e-3
 """Trial weight [kg m]."""
 POINTS = 60
-
-
-@pytest.fixture(scope="module")
-def executor() -> Iterator[LocalExecutor]:
-    """A worker process for all these tests."""
-    with working(1) as one:
-        yield one
-
-
-@pytest.fixture(scope="module")
-def process() -> Iterator[ModelProcess]:
-    """Checks runs for all these tests: it takes a second or two to start."""
-    one = ModelProcess()
-    yield one
-    one.close()
-
-
-@pytest.fixture
-def api(database: Database, process: ModelProcess) -> Api:
-    found = Api(database)
-    found.app.state.model_process = process
-    return found
 
 
 class MiscalibratedPump:

@@ -22,18 +22,11 @@ from service.workers.executors import LocalExecutor
 from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines
-from tests.identification import chapter_3, close_run, counts, identifying, working
+from tests.identification import chapter_3, close_run, counts, identifying
 from tests.plant import wait_until
 
 MOST_ALARMS = 10
 """Most alarms that are set: one that falls where Python drops exceptions, as in a finaliser, is lost."""
-
-
-@pytest.fixture(scope="module")
-def executor() -> Iterator[LocalExecutor]:
-    """A worker process for the tests that leave it alive: to start one and import all that it needs takes seconds."""
-    with working(1) as one:
-        yield one
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Field balancing over the API, on stored runs of the dense model: begun, tried, proposed, checked; what it refuses."""
 
-from collections.abc import Iterator
 from typing import Any, cast
 
 import numpy as np
@@ -62,14 +61,6 @@ def store(database: Database) -> Database:
     with database.transaction() as session:
         machines.create(session, parse_machine(document(operation={"vibration_limit": 1e-4})))
     return database
-
-
-@pytest.fixture(scope="module")
-def process() -> Iterator[ModelProcess]:
-    """A process that computes for all tests here: it takes a second or two to start."""
-    one = ModelProcess()
-    yield one
-    one.close()
 
 
 @pytest.fixture
