@@ -87,14 +87,26 @@ def dimensional_film(
         Forces (..., 2) [N], stiffness (..., 2, 2) [N/m], damping (..., 2, 2) [N s/m], and their derivatives.
     """
     scale = film_scale(radius=radius, length=length, clearance=clearance, viscosity=viscosity, speed=speed)
-    found = film.at(np.asarray(position) / scale.clearance[..., None])
+    return film_in_si(film.at(np.asarray(position) / scale.clearance[..., None]), scale)
+
+
+def film_in_si(film: FilmCoefficients, scale: FilmScale) -> FilmCoefficients:
+    """Convert forces, coefficients and their derivatives to SI units.
+
+    Args:
+        film: The film at positions (...), in its own units.
+        scale: These units (...).
+
+    Returns:
+        Forces (..., 2) [N], stiffness (..., 2, 2) [N/m], damping (..., 2, 2) [N s/m], and their derivatives.
+    """
     force, c = scale.force, scale.clearance
     stiffness, damping = force / c, force / (c * scale.speed)
     return FilmCoefficients(
-        found.force * force[..., None],
-        found.stiffness * stiffness[..., None, None],
-        found.damping * damping[..., None, None],
-        found.stiffness_slope * (force / c**2)[..., None, None, None],
-        found.damping_slope * (force / (c**2 * scale.speed))[..., None, None, None],
-        None if found.pads is None else found.pads.rescaled(stiffness=stiffness, damping=damping),
+        film.force * force[..., None],
+        film.stiffness * stiffness[..., None, None],
+        film.damping * damping[..., None, None],
+        film.stiffness_slope * (force / c**2)[..., None, None, None],
+        film.damping_slope * (force / (c**2 * scale.speed))[..., None, None, None],
+        None if film.pads is None else film.pads.rescaled(stiffness=stiffness, damping=damping),
     )

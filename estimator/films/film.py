@@ -14,7 +14,7 @@ from estimator.errors import Invalid
 from estimator.films.pad import FULL_ARC, Pad
 from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_KNOWN, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
-from estimator.films.tilted_pads import TiltedPads
+from estimator.films.tilted_pads import Place, TiltedPads
 
 
 class TableMaker(Protocol):
@@ -71,11 +71,11 @@ class FilmCoefficients:
         """Return -∂force/∂position (..., 2, 2) [μ ω R L (R/c)²/c, or N/m]."""
         return self.stiffness if self.pads is None else self.pads.static_stiffness
 
-    def one_of(self, place: int) -> "FilmCoefficients":
+    def one_of(self, place: Place) -> "FilmCoefficients":
         """Return the film at one of several positions.
 
         Args:
-            place: Number of the position.
+            place: Number of the position along the first axis, or the index of some along several.
 
         Returns:
             The film there.

@@ -11,6 +11,9 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 
+Place = int | tuple[int | slice, ...]
+"""Index of one of several positions, or of some."""
+
 
 @dataclass(frozen=True)
 class HeldPads:
@@ -115,11 +118,11 @@ class TiltedPads:
         """
         return TiltedPads(self.axis * sign, self.stiffness, self.damping, self.weight, self.restoring)
 
-    def at(self, place: int) -> "TiltedPads":
+    def at(self, place: Place) -> "TiltedPads":
         """Return the pads at one of several positions.
 
         Args:
-            place: Number of the position.
+            place: Number of the position along the first axis, or the index of some along several.
 
         Returns:
             The pads.

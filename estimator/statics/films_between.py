@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.statics.alike_bearings import covered, films_at
 from estimator.statics.film_sensitivity import PARAMETERS, coefficient_slopes
 from estimator.statics.solved_films import SolvedFilms, film_rows
 
@@ -126,8 +127,8 @@ class FilmsBetween:
             return None
         position = np.tensordot(self._weight, np.stack([one.position for one in solved]), 1)
         bearings = self._films.own.changed(fitted).bearings
-        if not all(one.covers_all(position[:, number]).all() for number, one in enumerate(bearings)):
+        if not covered(bearings, position).all():
             return None
-        films = [one.at(position[:, number], speed=self._speed) for number, one in enumerate(bearings)]
+        films = films_at(bearings, position, speed=self._speed)
         parts = ("stiffness", "damping", "stiffness_slope", "damping_slope")
         return _FilmsThere(position, *(np.stack([getattr(one, name) for one in films], axis=1) for name in parts))

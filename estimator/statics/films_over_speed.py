@@ -10,6 +10,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
+from estimator.statics.alike_bearings import covered, films_at
 from estimator.statics.equilibrium import HALVINGS, SETTLED, STEPS, FilmEquilibrium, FilmTrain
 
 
@@ -45,7 +46,7 @@ def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[Fi
     Returns:
         The equilibrium at each speed; None where one is not found.
     """
-    if not _covered(train, start).all():
+    if not covered(train.bearings, start).all():
         return None
     state = _state(train, speeds, start)
     for _ in range(STEPS):
@@ -62,7 +63,7 @@ def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[Fi
 
 
 def _state(train: FilmTrain, speeds: Floats, position: Floats) -> _JournalsOverSpeed:
-    films = tuple(one.at(position[:, number], speed=speeds) for number, one in enumerate(train.bearings))
+    films = films_at(train.bearings, position, speed=speeds)
     return _JournalsOverSpeed(position, films, _lacking(train, position, [one.force for one in films]))
 
 
@@ -90,7 +91,7 @@ def _shortened(train: FilmTrain, speeds: Floats, state: _JournalsOverSpeed, step
     before = np.linalg.norm(state.lacking, axis=(1, 2))
     for _ in range(HALVINGS):
         trial = state.position + part[:, None, None] * step
-        inside = _covered(train, trial)
+        inside = covered(train.bearings, trial)
         if inside.all():
             found = _state(train, speeds, trial)
             better = np.linalg.norm(found.lacking, axis=(1, 2)) < before
@@ -101,9 +102,3 @@ def _shortened(train: FilmTrain, speeds: Floats, state: _JournalsOverSpeed, step
             inside = better
         part = np.where(inside, part, part / 2)
     return None
-
-
-def _covered(train: FilmTrain, position: Floats) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-    """Return at which speeds all films are known (S,)."""
-    known = [one.covers_all(position[:, number]) for number, one in enumerate(train.bearings)]
-    return np.asarray(np.logical_and.reduce(known))

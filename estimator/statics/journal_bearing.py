@@ -2,15 +2,16 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
-from estimator.arrays import Bools, Floats
-from estimator.films.dimensional_film import dimensional_film
+from estimator.arrays import Floats
+from estimator.films.dimensional_film import FilmScale, film_in_si, film_scale
 from estimator.films.film import Film, FilmCoefficients, FilmOverPosition
 from estimator.films.heat_balance import film_temperature
 from estimator.films.oil import grade_oil
-from estimator.films.pad_table import MOST_CONTINUOUS
+from estimator.films.pad_table import MOST_CONTINUOUS, TABLES
 from estimator.films.profiles import BearingProfile, elliptical, four_lobe, plain, three_lobe, two_axial_grooves
 from estimator.films.tilting_film import TiltingFilm, TiltingProfile
 from estimator.films.viscosity_over_speed import ViscosityOverSpeed
@@ -67,18 +68,7 @@ class JournalBearing:
         Returns:
             Whether it is.
         """
-        return bool(self.covers_all(position))
-
-    def covers_all(self, position: Floats) -> Bools:
-        """Return where the film is known.
-
-        Args:
-            position: Positions (..., 2) of the journal relative to the bearing's centre [m].
-
-        Returns:
-            Whether it is (...).
-        """
-        return self.film.covers(self._mirrored(position) / self.clearance)
+        return bool(self.film.covers(self.mirrored(position) / self.clearance))
 
     def thinnest(self, position: Floats) -> float:
         """Compute the thickness of the film where it is thinnest.
@@ -89,7 +79,7 @@ class JournalBearing:
         Returns:
             The thickness [m].
         """
-        return float(self.film.thinnest(self._mirrored(position) / self.clearance)) * self.clearance
+        return float(self.film.thinnest(self.mirrored(position) / self.clearance)) * self.clearance
 
     def at(self, position: Floats, *, speed: Floats | float) -> FilmCoefficients:
         """Compute force on the journal, stiffness and damping, with their derivatives by the position.
@@ -104,33 +94,55 @@ class JournalBearing:
         Raises:
             OutsideFilm: The film is thinner there than it is known.
         """
-        found = dimensional_film(
-            self.film,
-            self._mirrored(position),
+        scale = self.scale(speed)
+        return turned(film_in_si(self.film.at(self.mirrored(position) / scale.clearance[..., None]), scale), self.sign)
+
+    def scale(self, speed: Floats | float) -> FilmScale:
+        """Compute the units of the film.
+
+        Args:
+            speed: Spin speeds, without sign (...) [rad/s].
+
+        Returns:
+            The units (...).
+        """
+        return film_scale(
             radius=self.radius,
             length=self.described.length,
             clearance=self.clearance,
             viscosity=self.oil.at(speed),
             speed=speed,
         )
-        sign = self._sign
-        pairs, triples = np.outer(sign, sign), np.einsum("i,j,k->ijk", sign, sign, sign)
-        return FilmCoefficients(
-            found.force * sign,
-            found.stiffness * pairs,
-            found.damping * pairs,
-            found.stiffness_slope * triples,
-            found.damping_slope * triples,
-            None if found.pads is None else found.pads.turned(sign),
-        )
 
     @property
-    def _sign(self) -> Floats:
-        # A journal that turns the other way sees the mirror image.
+    def sign(self) -> Floats:
+        """Return the signs (2,) of the machine's axes in the film's: one that turns the other way is its mirror image [-]."""
         return np.array([float(self.direction), 1.0])
 
-    def _mirrored(self, position: Floats) -> Floats:
-        return np.asarray(np.asarray(position) * self._sign)
+    def mirrored(self, position: Floats) -> Floats:
+        """Return positions (..., 2) [m], given in the machine's axes, in those of the film."""
+        return np.asarray(np.asarray(position) * self.sign)
+
+
+def turned(film: FilmCoefficients, sign: Floats) -> FilmCoefficients:
+    """Return a film in axes of which some point the other way.
+
+    Args:
+        film: The film.
+        sign: Signs (2,) of the axes; shape (component,) with components x, y [-].
+
+    Returns:
+        The film.
+    """
+    pairs, triples = np.outer(sign, sign), np.einsum("i,j,k->ijk", sign, sign, sign)
+    return FilmCoefficients(
+        film.force * sign,
+        film.stiffness * pairs,
+        film.damping * pairs,
+        film.stiffness_slope * triples,
+        film.damping_slope * triples,
+        None if film.pads is None else film.pads.turned(sign),
+    )
 
 
 def journal_bearing(
@@ -154,10 +166,22 @@ def journal_bearing(
     slenderness = described.length / described.diameter
     film: FilmOverPosition
     if described.pads is None:
-        film = Film(_profile(described, direction), slenderness)
+        film = _film(_profile(described, direction), slenderness)
     else:
-        film = TiltingFilm(_tilting(described, described.pads, direction), slenderness)
+        film = _tilting_film(_tilting(described, described.pads, direction), slenderness)
     return JournalBearing(name, film, described, _oil(described, film, load * (float(direction), 1.0), speeds), direction)
+
+
+@lru_cache(maxsize=TABLES)
+def _film(profile: BearingProfile, slenderness: float) -> Film:
+    """Return the film of a geometry: bearings that are alike have the same."""
+    return Film(profile, slenderness)
+
+
+@lru_cache(maxsize=TABLES)
+def _tilting_film(profile: TiltingProfile, slenderness: float) -> TiltingFilm:
+    """Return the film of tilting pads, the same of bearings that are alike."""
+    return TiltingFilm(profile, slenderness)
 
 
 def _oil(

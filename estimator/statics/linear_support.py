@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.arrays import Bools, Floats
+from estimator.arrays import Floats
 from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.bearings.terms import LATERAL
 from estimator.films.film import FilmCoefficients
@@ -109,17 +109,6 @@ class LinearSupport:
             True.
         """
         return True
-
-    def covers_all(self, position: Floats) -> Bools:
-        """Return that it carries its journal anywhere.
-
-        Args:
-            position: Positions (..., 2) of the journal [m].
-
-        Returns:
-            True of each (...).
-        """
-        return np.ones(position.shape[:-1], dtype=bool)
 
     def at(self, position: Floats, *, speed: Floats | float) -> FilmCoefficients:
         """Compute force on the journal, stiffness and damping, as of a film.
