@@ -118,4 +118,5 @@ def identify_behind_gate(
     with one_blas_thread():
         recorded, measured = [run.recorded for run in runs], [run.measurement for run in runs]
         gated = identify_gated(machine, recorded, measured, rules=wanted, gate=gate)
-        return with_named_conventions(machine, recorded, measured, gated, rules=wanted, gate=gate).gated
+        names = [run.name for run in runs] if len(runs) > 1 else []
+        return with_named_conventions(machine, recorded, measured, gated, rules=wanted, gate=gate, names=names).gated

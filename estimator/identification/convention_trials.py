@@ -2,7 +2,8 @@
 
 Each hypothesis is undone on the run and fitted coarsely; swapped probes are first ranked with the document's coefficients
 alone. One that leaves far less misfit is fitted as any run is. It is named where that fit is accepted, or is so much better
-that nothing else can be the reason; those that fit equally well are named together: the run cannot tell them apart. Derived
+that nothing else can be the reason; those that fit equally well are named together: the run cannot tell them apart. Of several
+runs one alone may have been sent so: each hypothesis is then tried on those without which the others fit far better. Derived
 here.
 """
 
@@ -54,6 +55,8 @@ LIKELIEST = 5
 """Number of swapped probes, and of units of amplitudes, that are fitted: the likeliest by the document's coefficients."""
 MOST_FITTED = 4
 """Most hypotheses that are fitted in full."""
+MOST_ODD = 2
+"""Most runs of several on which alone hypotheses are tried."""
 MOST_LEFT_OUT = 0.1
 """Part of the phasors, those that fit worst, that a comparison of misfits leaves out [-]."""
 TRIAL = Options(starts=2)
@@ -69,11 +72,13 @@ class NamedConvention(Struct, frozen=True):
         improvement: Squared misfit of the run as it was sent over that with the convention undone, by their fits or, where
             that tells more, by coarse ones [-].
         accepted: Whether the fit is accepted then.
+        run: Number of the only run that was sent so, of several; None where all were.
     """
 
     convention: WrongConvention
     improvement: float
     accepted: bool
+    run: int | None = None
 
 
 class ConventionVerdict(Struct, frozen=True):
@@ -96,6 +101,7 @@ def with_named_conventions(
     *,
     rules: QualityRules | None = None,
     gate: bool = True,
+    names: Sequence[str] = (),
 ) -> ConventionVerdict:
     """Name the wrong conventions that explain a refused fit, or unbalances that no rotor has.
 
@@ -108,6 +114,7 @@ def with_named_conventions(
         gated: Their identification behind the quality gate.
         rules: Rules of quality, as `identify_gated` had them.
         gate: Whether points are left out, as `identify_gated` had it.
+        names: Names of the runs in the verdict; none where their numbers do.
 
     Returns:
         The identification with its verdict extended, and the conventions.
@@ -118,11 +125,11 @@ def with_named_conventions(
     if found.accepted:
         odd = implausible_unbalance(machine, found)
         return ConventionVerdict(gated if odd is None else _telling(gated, f"{found.verdict}; {odd.words}"))
-    trial = _Trial(machine, runs, measurements, rules, gate)
-    named = trial.named(found)
-    return (
-        ConventionVerdict(_telling(gated, f"{_words(named)}; {found.verdict}"), named) if named else ConventionVerdict(gated)
-    )
+    named = _Trial(machine, runs, measurements, rules, gate).named(found)
+    if not named:
+        return ConventionVerdict(gated)
+    whose = names or [f"run {number + 1} of {len(runs)}" for number in range(len(runs))]
+    return ConventionVerdict(_telling(gated, f"{_words(named, whose)}; {found.verdict}"), named)
 
 
 def coarsely_better(machine: Machine, measurements: Sequence[Measurement]) -> tuple[WrongConvention, ...]:
@@ -135,7 +142,7 @@ def coarsely_better(machine: Machine, measurements: Sequence[Measurement]) -> tu
     Returns:
         The hypotheses, the best first; without those on amplitudes, which a fit must have found implausible first.
     """
-    return tuple(one for one, _ in _Trial(machine, (), measurements, None, gate=False).promising(None))
+    return tuple(one.convention for one, _ in _Trial(machine, (), measurements, None, gate=False).promising(None))
 
 
 def _telling(gated: GatedIdentification, verdict: str) -> GatedIdentification:
@@ -143,19 +150,45 @@ def _telling(gated: GatedIdentification, verdict: str) -> GatedIdentification:
     return replace(gated, identification=replace(gated.identification, verdict=verdict))
 
 
-def _words(named: Sequence[NamedConvention]) -> str:
-    """Describe what explains the run, in a sentence's part that stands before the verdict."""
+def _words(named: Sequence[NamedConvention], names: Sequence[str]) -> str:
+    """Describe what explains the run, or some of the runs of these names, in a sentence's part before the verdict."""
     best = named[0]
     times = (
         f"{best.improvement:.{0 if best.improvement >= 10.0 else 1}f}"
         if best.improvement < MANY_TIMES
         else f"over {MANY_TIMES:.0f}"
     )
-    words = f"the run fits {times} times better with {best.convention.words}"
-    others = [one.convention.words for one in named[1:]]
+    fits = "the run fits" if len(names) == 1 else "the runs fit"
+    said = [one.convention.words + ("" if one.run is None else f" in {names[one.run]} alone") for one in named]
+    words, others = f"{fits} {times} times better with {said[0]}", said[1:]
     if others:
         words += f", or equally well with {' or with '.join(others)}"
     return words if best.accepted else f"{words}, though something else is wrong too"
+
+
+class _Hypothesis(Struct, frozen=True):
+    """A wrong convention of all runs, or of one alone."""
+
+    convention: WrongConvention
+    only: int | None = None
+
+    def concerns(self, number: int) -> bool:
+        """Return whether a run was sent so."""
+        return self.only is None or self.only == number
+
+    def measurements(self, given: Sequence[Measurement]) -> list[Measurement]:
+        """Return the samples of runs with right conventions."""
+        return [self.convention.measurement(one) if self.concerns(number) else one for number, one in enumerate(given)]
+
+    def runs(self, given: Sequence[RecordedRun]) -> list[RecordedRun]:
+        """Return runs with right conventions."""
+        return [self.convention.run(one) if self.concerns(number) else one for number, one in enumerate(given)]
+
+    def is_far_better(self, factor: float, *, accepted: bool) -> bool:
+        """Return whether a misfit that is so many times less speaks for it."""
+        if self.only is not None and self.convention.amplitude != 1.0:
+            return accepted and factor >= BETTER  # unbalances that have grown are nearly such a factor
+        return factor >= (BETTER if accepted else FAR_BETTER)
 
 
 class _Trial(Struct, frozen=True):
@@ -173,71 +206,109 @@ class _Trial(Struct, frozen=True):
         before = self._misfit(refused, joined(list(self.measurements)))
         named = []
         for one, coarsely, result in found:
-            after = float("inf") if result is None else max(self._misfit(result, self._whole(one)), 1e-300)
-            if result is not None and before >= (BETTER if result.accepted else FAR_BETTER) * after:
+            if result is None:
+                continue
+            after = max(self._misfit(result, self._whole(one)), 1e-300)
+            if one.is_far_better(before / after, accepted=result.accepted):
                 improvement = max(before / after, coarsely if result.accepted else 0.0)
-                named.append((after, NamedConvention(one, improvement, result.accepted)))
+                named.append((after, NamedConvention(one.convention, improvement, result.accepted, one.only)))
         named.sort(key=lambda pair: (not pair[1].accepted, pair[0]))
         return tuple(
             one for after, one in named if one.accepted == named[0][1].accepted and after <= EQUALLY_WELL * named[0][0]
         )
 
-    def promising(self, refused: Identification | None) -> list[tuple[WrongConvention, float]]:
+    def promising(self, refused: Identification | None) -> list[tuple[_Hypothesis, float]]:
         """Return the hypotheses that leave far less misfit in a coarse fit, and how many times less, the best first.
 
-        Those on amplitudes only by a refused fit.
+        Those on the amplitudes of all runs only by a refused fit.
         """
         whole = joined(list(self.measurements))
         try:
-            problem = coarse_problem(self.machine, whole)
+            as_sent = self._coarsely(whole)
+            tried = [(_Hypothesis(one), as_sent) for one in self._of_any_run(whole)]
+            for number, misfit in self._odd(as_sent):
+                tried += [(_Hypothesis(one, number), misfit) for one in self._of_one_run(number)]
         except NO_FIT:
             return []
-        as_sent = coarse_misfit(problem, starts=TRIAL.starts)
-        tried = list(wrong_conventions(self.machine, whole))
-        tried += sorted(swapped_probes(self.machine), key=lambda one: linear_misfit(_permuted(problem, one)))[:LIKELIEST]
-        good = self._better(tried, as_sent)
+        good = self._better(tried)
+        if good or refused is None:
+            return good
         # A factor on all amplitudes goes with much that is wrong: it is the reason only where nothing else is.
-        return good if good or refused is None else self._better(self._amplitudes(refused, whole), as_sent)
+        return self._better([(_Hypothesis(one), as_sent) for one in self._amplitudes(refused, whole)])
 
-    def _better(self, tried: Sequence[WrongConvention], as_sent: float) -> list[tuple[WrongConvention, float]]:
-        """Return those with far less misfit in a coarse fit than the run as sent, and how many times less, the best first."""
-        limit = min(HOPELESS_MISFIT, as_sent / COARSELY_BETTER)
-        misfits = [(self._coarse_misfit(one), one) for one in tried]
-        good = sorted(((misfit, one) for misfit, one in misfits if misfit <= limit), key=lambda pair: pair[0])
-        return [(one, as_sent / max(misfit, 1e-300)) for misfit, one in good[:MOST_FITTED]]
+    def _of_any_run(self, measurement: Measurement) -> list[WrongConvention]:
+        """Return the hypotheses on samples of any run or runs: of swapped probes the likeliest, and none on amplitudes."""
+        problem = coarse_problem(self.machine, measurement)
+        swapped = sorted(swapped_probes(self.machine), key=lambda one: linear_misfit(_permuted(problem, one)))
+        return [*wrong_conventions(self.machine, measurement), *swapped[:LIKELIEST]]
+
+    def _of_one_run(self, number: int) -> list[WrongConvention]:
+        """Return the hypotheses on one run of several, whose amplitudes the others' unbalances speak of."""
+        scales = sorted(amplitude_scales(), key=lambda one: self._linear_misfit(_Hypothesis(one, number)))
+        return [*self._of_any_run(self.measurements[number]), *scales[:LIKELIEST]]
+
+    def _odd(self, as_sent: float) -> list[tuple[int, float]]:
+        """Return the runs of several without which the others fit far better, those first without which best.
+
+        With each its misfit alone where that is more than that of all: there it does not pass for outliers.
+        """
+        count = len(self.measurements)
+        if count == 1:
+            return []
+        found = []
+        for number in range(count):
+            others = [one for place, one in enumerate(self.measurements) if place != number]
+            misfit = max(as_sent, self._coarsely(self.measurements[number]))
+            found.append((self._coarsely(joined(others)), number, misfit))
+        found.sort()
+        return [(number, misfit) for without, number, misfit in found[:MOST_ODD] if without <= misfit / COARSELY_BETTER]
+
+    def _coarsely(self, measurement: Measurement) -> float:
+        """Return the misfit of samples as they were sent in a coarse fit."""
+        return coarse_misfit(coarse_problem(self.machine, measurement), starts=TRIAL.starts)
+
+    def _better(self, tried: Sequence[tuple[_Hypothesis, float]]) -> list[tuple[_Hypothesis, float]]:
+        """Return those of hypotheses, each with a misfit as sent, that leave far less, and how many times less, best first."""
+        misfits = [(self._coarse_misfit(one), one, as_sent) for one, as_sent in tried]
+        good = [each for each in misfits if each[0] <= min(HOPELESS_MISFIT, each[2] / COARSELY_BETTER)]
+        good.sort(key=lambda each: each[0])
+        return [(one, as_sent / max(misfit, 1e-300)) for misfit, one, as_sent in good[:MOST_FITTED]]
 
     def _amplitudes(self, refused: Identification, whole: Measurement) -> list[WrongConvention]:
         """Return the units of amplitudes to be tried: where known weights fix them, or the unbalances speak against theirs."""
         if has_known_weights(whole):
             kinds = [one for one in amplitude_scales() if one.name == "amplitude-kind"]
             units = [one for one in amplitude_scales() if one.name != "amplitude-kind"]
-            return [*kinds, *sorted(units, key=self._linear_misfit)[:LIKELIEST]]
+            return [*kinds, *sorted(units, key=lambda one: self._linear_misfit(_Hypothesis(one)))[:LIKELIEST]]
         odd = implausible_unbalance(self.machine, refused)
         return [] if odd is None else odd.units
 
-    def _coarse_misfit(self, one: WrongConvention) -> float:
+    def _coarse_misfit(self, one: _Hypothesis) -> float:
         whole = self._whole(one)
-        amplitude = np.abs(whole.phasor[whole.usable])
-        error = error_size(self.machine.noise, amplitude, whole.scatter[whole.usable])
-        if np.mean(amplitude**2) < CLEAR_SIGNAL * np.mean(error**2):
+        if not self._is_clear(whole if one.only is None else one.convention.measurement(self.measurements[one.only])):
             return float("inf")
         try:
             return coarse_misfit(coarse_problem(self.machine, whole))
         except (*NO_FIT, ValueError):  # such as amplitudes that no shaft reaches
             return float("inf")
 
-    def _linear_misfit(self, one: WrongConvention) -> float:
+    def _is_clear(self, measurement: Measurement) -> bool:
+        """Return whether phasors stand out of their noise: what vanishes in it fits any model."""
+        amplitude = np.abs(measurement.phasor[measurement.usable])
+        error = error_size(self.machine.noise, amplitude, measurement.scatter[measurement.usable])
+        return bool(np.mean(amplitude**2) >= CLEAR_SIGNAL * np.mean(error**2))
+
+    def _linear_misfit(self, one: _Hypothesis) -> float:
         try:
             return linear_misfit(coarse_problem(self.machine, self._whole(one)))
         except (*NO_FIT, ValueError):
             return float("inf")
 
-    def _whole(self, one: WrongConvention) -> Measurement:
-        return one.measurement(joined(list(self.measurements)))
+    def _whole(self, one: _Hypothesis) -> Measurement:
+        return joined(one.measurements(self.measurements))
 
-    def _fitted(self, one: WrongConvention) -> Identification | None:
-        runs = [one.run(run) for run in self.runs]
-        measurements = [one.measurement(measurement) for measurement in self.measurements]
+    def _fitted(self, one: _Hypothesis) -> Identification | None:
+        runs, measurements = one.runs(self.runs), one.measurements(self.measurements)
         try:
             return identify_gated(
                 self.machine, runs, measurements, options=TRIAL, rules=self.rules, gate=self.gate

@@ -78,6 +78,32 @@ def test_each_wrong_convention_is_named(name: str) -> None:
         assert found.named[0].convention.words == "speeds in rad/s that were sent as r/min"
 
 
+ONE_WRONG = {
+    "phase-sign": NAMES["phase-sign"],
+    "speed-unit": NAMES["speed-unit"],
+    "amplitude-kind": WrongConvention("", "", amplitude=0.5),
+    "amplitude-unit": WrongConvention("", "", amplitude=1e-3),
+}
+
+
+@pytest.mark.parametrize("name", ["phase-sign", *(pytest.param(one, marks=pytest.mark.long) for one in list(ONE_WRONG)[1:])])
+def test_one_wrong_run_among_right_ones_is_named(name: str) -> None:
+    added = np.zeros(len(document().discs), dtype=complex)
+    parts = [sent(), sent(ONE_WRONG[name]), sent()]
+    parts = [(run, measured.with_trial_weight(added)) for run, measured in parts]
+    found = told(document(), *parts)
+    assert found.named
+    assert {(one.convention.name, one.run, one.accepted) for one in found.named} == {(name, 1, True)}
+    assert found.gated.identification is not None
+    assert " in run 2 of 3 alone" in found.gated.identification.verdict
+    runs, measurements = [run for run, _ in parts], [measurement for _, measurement in parts]
+    names = ["one.csv", "two.csv", "three.csv"]
+    called = with_named_conventions(document(), runs, measurements, found.gated, names=names).gated.identification
+    assert called is not None
+    assert called.verdict.startswith("the runs fit ")
+    assert " in two.csv alone" in called.verdict
+
+
 @pytest.mark.long
 def test_every_pair_swapped_and_the_other_sense_of_rotation_are_named_together() -> None:
     found = told(document(), sent(WrongConvention("", "", order=PAIRS)))
