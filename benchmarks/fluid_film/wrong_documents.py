@@ -1,6 +1,7 @@
 """Documents of films with one thing wrong: refused, or intervals that hold; right ones are accepted and not much wider."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,17 @@ from benchmarks.fluid_film.film_fits import as_drawn
 from benchmarks.fluid_film.film_trials import FilmTrial, coverage_by_kind, mean_coverage, trials_of
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import film_document
+from tests.film_plant.documents import film_document, with_pedestals
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import PRIORS, Alteration, mixed_plant, random_plant, unaltered
 from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
 from tests.film_plant.wrong_documents import (
+    diametral_clearances,
     elliptical,
     far_clearance,
+    oils_of_the_next_grade,
+    overdamped_pedestals,
+    shorter_bearings,
     soft_pedestal,
     supports_off,
     warming_oil,
@@ -34,6 +39,15 @@ WRONG: dict[str, tuple[Alteration, Design]] = {
     "one clearance off by two priors": (far_clearance(PRIORS.clearance), Design()),
     "oil that warms, said to be of one viscosity": (warming_oil, Design()),
 }
+EVERYWHERE: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], Design]] = {
+    "all oils said to be of the next grade": (oils_of_the_next_grade, Design()),
+    "diametral clearances said to be radial": (diametral_clearances, Design()),
+    "all bearings said to be a fifth shorter": (shorter_bearings, Design()),
+    "all pedestals said to be damped five times as much": (overdamped_pedestals, Design(pedestals=True)),
+}
+"""Mistakes that a document makes alike at all bearings."""
+PEDESTAL_SPREAD = 0.2
+"""How far pedestals may be off [-]."""
 FORCED = "half a disc's weight lifted by an exact force that is not there"
 SUPPORTS = ("rolling elements 30 % off, said to be within 15 %", "a table 30 % off, said to be within 15 %")
 """Mistakes of documents of mixed plants: of even seeds, with rolling elements beside films, and of odd ones, with tables."""
@@ -43,6 +57,8 @@ def wrong_documents(plants: int) -> list[ReportLine]:
     """Return what becomes of documents with one thing wrong, and of right ones."""
     seeds = range(FIRST_SEED, FIRST_SEED + plants)
     rows = [_wrong(name, trials_of(name, _altered(alteration, design), seeds)) for name, (alteration, design) in WRONG.items()]
+    for name, (mistake, design) in EVERYWHERE.items():
+        rows.append(_wrong(name, trials_of(name, _altered(unaltered, design), seeds, document=partial(_mistaken, mistake))))
     rows.append(_wrong(FORCED, trials_of(FORCED, _altered(unaltered, Design()), seeds, document=_with_force)))
     for first, name in enumerate(SUPPORTS, start=FIRST_SEED):
         rows.append(_wrong(name, trials_of(name, _supported, range(first, first + 2 * plants, 2), document=as_drawn)))
@@ -60,6 +76,13 @@ def wrong_documents(plants: int) -> list[ReportLine]:
 
 def _with_force(plant: Plant, _: int) -> dict[str, Any]:
     return with_lifting_force(film_document(plant), plant)
+
+
+def _mistaken(mistake: Callable[[dict[str, Any]], dict[str, Any]], plant: Plant, seed: int) -> dict[str, Any]:
+    """Return a document with a mistake, of pedestals too where the plant has them."""
+    said = film_document(plant)
+    on_pedestals = any(one.pedestal is not None for one in plant.train.bearings)
+    return mistake(with_pedestals(said, plant, spread=PEDESTAL_SPREAD, seed=seed) if on_pedestals else said)
 
 
 def _supported(seed: int) -> Plant:

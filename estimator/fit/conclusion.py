@@ -20,6 +20,7 @@ from estimator.fit.validation.identifiability import Reasons
 from estimator.fit.validation.omitted_forces import judge_exact_forces
 from estimator.fit.validation.omitted_warming import viscosity_trend, warming_words
 from estimator.fit.validation.physical_limits import LimitsFunction, without_growing_modes
+from estimator.fit.validation.prior_conflict import judge_priors
 from estimator.fit.validation.profile_likelihood import flat_coordinates
 from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
 from estimator.fit.validation.table_cross_terms import judge_table_cross_terms
@@ -123,7 +124,7 @@ def _form_verdict(
     far = bool(of_tables.remark)
     of_cross_terms = judge_table_cross_terms(problem, found, covariance, far=far, inflation=inflation)
     of_sharpness = judge_sharp_deviations(problem, found, covariance, inflation=inflation)
-    judged = [of_forces, of_sharpness, of_tables, of_cross_terms]
+    judged = [of_forces, of_sharpness, of_tables, of_cross_terms, judge_priors(problem, found, covariance)]
     if needs_form(problem):
         of_form = judge_form(problem, found, covariance, condition)
         judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))

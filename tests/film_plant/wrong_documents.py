@@ -20,6 +20,8 @@ CLEARANCE_PRIORS = 2.0
 """Error of the wrong clearance, in standard deviations of its prior [-]."""
 SUPPORTS_OFF = 0.3
 """Part by which all coefficients of bearings that are no films are off, up or down [-]: some two priors."""
+NEXT_GRADE = 1.45
+"""Viscosity of an ISO VG grade over that of the one before (ISO 3448) [-]."""
 _OfBearing = Callable[[Bearing], Bearing]
 
 MEDIAN = 0.6
@@ -75,6 +77,34 @@ def with_lifting_force(said: dict[str, Any], plant: Plant) -> dict[str, Any]:
     disc = said["discs"][0]
     force = 0.5 * plant.train.gravity * plant.train.discs[0].mass
     return said | {"static_loads": [{"id": "gear", "shaft": disc["shaft"], "station": disc["station"], "force_y": force}]}
+
+
+def oils_of_the_next_grade(said: dict[str, Any]) -> dict[str, Any]:
+    """A document whose oils are all of the next ISO VG grade."""
+
+    def thicker(film: dict[str, Any]) -> dict[str, Any]:
+        return film | {"oil": film["oil"] | {"viscosity": NEXT_GRADE * film["oil"]["viscosity"]}}
+
+    return _of_all_films(said, thicker)
+
+
+def diametral_clearances(said: dict[str, Any]) -> dict[str, Any]:
+    """A document whose clearances are all diametral ones, written as radial ones."""
+    return _of_all_films(said, lambda film: film | {"radial_clearance": 2.0 * film["radial_clearance"]})
+
+
+def shorter_bearings(said: dict[str, Any]) -> dict[str, Any]:
+    """A document whose bearings are all a fifth shorter than they are."""
+    return _of_all_films(said, lambda film: film | {"length": 0.8 * film["length"]})
+
+
+def overdamped_pedestals(said: dict[str, Any]) -> dict[str, Any]:
+    """A document whose pedestals are all damped five times as much as they are."""
+    return said | {"pedestals": [one | {name: 5.0 * one[name] for name in ("cxx", "cyy")} for one in said["pedestals"]]}
+
+
+def _of_all_films(said: dict[str, Any], change: Callable[[dict[str, Any]], dict[str, Any]]) -> dict[str, Any]:
+    return said | {"bearings": [one | {"film": change(one["film"])} for one in said["bearings"]]}
 
 
 def _warming(bearing: Bearing, fastest: float) -> HeatedOil:

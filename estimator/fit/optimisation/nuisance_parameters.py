@@ -6,17 +6,14 @@ sec. 2.2), and δᵀ (I - C)⁻¹ δ follows χ². Where it is far larger, the d
 """
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.fit.optimisation.prior_check import prior_check
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.parameter_description import describe
-from estimator.symmetric_eigen import symmetric_eigen
 
-DETERMINED = 0.1
-"""Part of a direction's prior variance from which on the data say something of it [-]."""
 SHARED = "all"
 """Word in place of a film's id in the names of deviations that all films share."""
 SMALLEST_CHANCE = 1e-4
@@ -115,22 +112,11 @@ def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floa
     numbers, left = np.zeros(found.theta.size), np.zeros_like(covariance)
     numbers[which] = found.theta[which] / size
     left[np.ix_(which, which)] = covariance[np.ix_(which, which)] / np.outer(size, size)
-    found_so = [(_surprise(numbers[places], left[np.ix_(places, places)]), words) for words, places in judged]
-    (chance, times), words = min(found_so, key=lambda one: one[0][0])
-    if chance >= SMALLEST_CHANCE:
+    found_so = [(prior_check(numbers[places], left[np.ix_(places, places)]), words) for words, places in judged]
+    worst, words = min(found_so, key=lambda one: one[0].chance)
+    if worst.chance >= SMALLEST_CHANCE:
         return ""
     return (
-        f"{words} by {times:.2g} times what the document says (discrepancy): geometry, oil, supports or coupling are not as "
-        "described"
+        f"{words} by {worst.size:.2g} times what the document says (discrepancy): geometry, oil, supports or coupling are "
+        "not as described"
     )
-
-
-def _surprise(numbers: Floats, covariance: Floats) -> tuple[float, float]:
-    """Return the probability that standard-normal numbers are as large as those of (k,) that are determined, and their rms."""
-    scatter = np.eye(numbers.size) - covariance
-    variance, directions = symmetric_eigen((scatter + scatter.T) / 2)
-    seen = variance > DETERMINED
-    if not seen.any():
-        return 1.0, 0.0
-    squares = (directions.T @ numbers)[seen] ** 2 / variance[seen]
-    return float(scipy.special.chdtrc(squares.size, squares.sum())), float(np.sqrt(squares.mean()))

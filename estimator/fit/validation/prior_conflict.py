@@ -1,0 +1,109 @@
+"""Conflict between a fit of a train on oil films and what its document says of clearances, oils, pedestals and couplings.
+
+Each number is held by what the document says that it may be off. Where a document is wrong in many at once, such as an oil of
+the next grade, diametral clearances written as radial ones or pedestals that are damped far less, χ² hardly shows it: each is
+pulled a part of the way back, and what else the fit determines is bent by that. Parameters of one kind are therefore compared
+with the predictions of their prior (Box, J. R. Stat. Soc. A 143 (1980) 383, doi:10.2307/2982063): each for itself, and what
+they have in common, as one wrong oil has. Where chance hardly explains how far they are from it, that is told, and the
+covariance grows by what a prior off by as much does to the estimates: in fit coordinates C P^½ times how far it is off, with C
+the fit's covariance and P the prior's precision. Only directions count of which the data say something. Elevations are left
+out: they move.
+"""
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.fit.optimisation.prior_check import PriorCheck, prior_check
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.validation.form_discrepancy import FormVerdict
+from estimator.machine.parameter_description import describe
+
+UNLIKELY = 2e-3
+"""Chance of parameters of one kind as far from what the document says, beneath which that is told [-]."""
+KINDS = {
+    ("film", "clearance"): "radial clearances",
+    ("film", "viscosity"): "viscosities",
+    ("film", "viscosity ratio"): "ratios of viscosities",
+    ("film", "slope"): "falls of the viscosity with speed",
+    ("pedestal", "stiffness"): "stiffnesses of pedestals",
+    ("pedestal", "damping"): "dampings of pedestals",
+    ("pedestal", "inertia"): "masses of pedestals",
+    ("coupling", "stiffness"): "stiffnesses of couplings",
+    ("coupling", "damping"): "dampings of couplings",
+}
+"""What is judged together, in words: whose it is, and the physical quantity."""
+ASKED = {
+    "radial clearances": "are they radial ones, and is the geometry right?",
+    "viscosities": "are the oil, its temperature and the bearings' geometry right?",
+}
+"""What may be wrong."""
+
+
+class _Conflict(Struct, frozen=True, eq=False):
+    """Parameters of one kind that are further from their prior than chance explains: their places, and the comparison."""
+
+    kind: str
+    places: NDArray[np.intp]
+    check: PriorCheck
+
+
+def judge_priors(problem: FitProblem, found: FitResult, covariance: Floats) -> FormVerdict:
+    """Judge whether a fit is where the document says that it should be (Box 1980; module's docstring).
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+        covariance: Covariance (n, n) of the fit coordinates [-].
+
+    Returns:
+        The verdict, with the covariance as it is where there is no conflict, or no films.
+    """
+    coordinates = problem.coordinates
+    whole, remark = covariance, ""
+    for one in _conflicts(coordinates, found.theta, covariance):
+        answer = covariance[:, one.places] / coordinates.spread[one.places] @ one.check.directions
+        whole = whole + one.check.misplaced**2 * answer @ answer.T
+        remark += f"; {_words(one, coordinates, found.theta)}"
+    return FormVerdict(whole, remark=f"{remark} Intervals are widened" if remark else "")
+
+
+def _conflicts(coordinates: Coordinates, theta: Floats, covariance: Floats) -> list[_Conflict]:
+    found = []
+    for kind, places in _kinds(coordinates).items():
+        spread = coordinates.spread[places]
+        away = (theta[places] - coordinates.centre[places]) / spread
+        left = covariance[np.ix_(places, places)] / np.outer(spread, spread)
+        check, count = prior_check(away, left), len(places)
+        in_common = prior_check(away.sum(keepdims=True) / np.sqrt(count), left.sum(keepdims=True) / count)
+        if min(check.chance, in_common.chance) < UNLIKELY:
+            found.append(_Conflict(kind, places, check))
+    return found
+
+
+def _kinds(coordinates: Coordinates) -> dict[str, NDArray[np.intp]]:
+    """Return the places of the coordinates that are judged together, by what they are in words; none without films."""
+    if not coordinates.nuisance.any():
+        return {}
+    places: dict[str, list[int]] = {}
+    for place, name in enumerate(coordinates.names):
+        said = describe(name)
+        whose = said.element_kind if said.element_kind in ("pedestal", "coupling") else "film"
+        kind = KINDS.get((whose, said.physical_quantity or ""))
+        if kind is not None and not coordinates.nuisance[place] and place not in coordinates.calibrated_places:
+            places.setdefault(kind, []).append(place)
+    return {kind: np.array(listed, dtype=np.intp) for kind, listed in places.items()}
+
+
+def _words(one: _Conflict, coordinates: Coordinates, theta: Floats) -> str:
+    """Describe a conflict by the parameter that is furthest from what the document says."""
+    away = (theta[one.places] - coordinates.centre[one.places]) / coordinates.spread[one.places]
+    worst = int(np.argmax(np.abs(away)))
+    place = one.places[worst]
+    size = f"{abs(away[worst]):.1f} times as far as it may be off"
+    if describe(coordinates.names[place]).positive:
+        size = f"{np.exp(theta[place] - coordinates.centre[place]):.2g} times what it says, {size}"
+    asked = ASKED.get(one.kind, "is that right?")
+    return f"{one.kind} contradict the document, {coordinates.names[place]} most ({size}): {asked}"
