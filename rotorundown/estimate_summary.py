@@ -28,6 +28,8 @@ LARGEST_PER_CENT = 0.5
 UNBALANCE = "unbalance"
 REFUSED_VALUES = "Where the refused fit ended; these are no results, neither the values nor their errors:"
 """Heading of the values of a fit that is not accepted."""
+ERRORS = "Values ± standard error"
+"""Heading of estimates."""
 
 
 def sample_words(found: Identification, machine: Machine) -> str:
@@ -39,7 +41,7 @@ def sample_words(found: Identification, machine: Machine) -> str:
 
 
 def element_lines(estimates: Sequence[Estimate]) -> list[str]:
-    """Return a line per element, the first `MOST_ELEMENTS` of them."""
+    """Return a heading and a line per element, the first `MOST_ELEMENTS` of them."""
     elements: dict[str, list[Estimate]] = {}
     for one in estimates:
         elements.setdefault(one.element, []).append(one)
@@ -49,7 +51,7 @@ def element_lines(estimates: Sequence[Estimate]) -> list[str]:
     left_out = len(lines) - MOST_ELEMENTS
     if left_out > 0:
         lines = [*lines[:MOST_ELEMENTS], f"and {left_out} more elements"]
-    return lines
+    return [ERRORS, *lines]
 
 
 def within_screen(line: str) -> str:

@@ -74,7 +74,7 @@ def _picked(speed: Floats, run: Measurement, most: int) -> Floats:
     while len(kept) < most:
         away = np.min(np.abs(speed[:, None] - speed[kept]), axis=1)
         kept.append(int(np.argmax(away)))
-    return np.asarray(speed[np.sort(kept)])
+    return np.asarray(speed[np.sort(kept[:most])])
 
 
 def _of_greatest_response(speed: Floats, run: Measurement) -> list[int]:

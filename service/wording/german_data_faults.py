@@ -34,6 +34,9 @@ DATA_FAULTS: Mapping[str, str] = {
     # --- wrong conventions
     "the run fits {times} times better with {what}": "der Lauf passt {times}-mal besser mit {what}",
     "the run fits over {times} times better with {what}": "der Lauf passt über {times}-mal besser mit {what}",
+    "the runs fit {times} times better with {what}": "die Läufe passen {times}-mal besser mit {what}",
+    "the runs fit over {times} times better with {what}": "die Läufe passen über {times}-mal besser mit {what}",
+    "{what} in run {id} of {count} alone": "{what} allein in Lauf {id} von {count}",
     "{what}, or equally well with {others}": "{what}, oder ebenso gut mit {others}",
     "{one} or with {other}": "{one} oder mit {other}",
     "{what}, though something else is wrong too": "{what}, doch ist noch etwas anderes falsch",

@@ -82,6 +82,32 @@ VERDICTS: Mapping[str, str] = {
         "Abschnitt von {length} % des Drehzahlbereichs zum nächsten: Vertrauensbereiche sind verbreitert"
     ),
     (
+        "{kind} contradict the document, {name} most ({factor} times what it says, {away} times as far as it may be off): "
+        "intervals are widened"
+    ): (
+        "{kind} widersprechen dem Dokument, am meisten {name} (das {factor}-Fache dessen, was es sagt, {away}-mal so weit "
+        "daneben, wie es zulässt): Vertrauensbereiche sind verbreitert"
+    ),
+    "{kind} contradict the document, {name} most ({away} times as far as it may be off): intervals are widened": (
+        "{kind} widersprechen dem Dokument, am meisten {name} ({away}-mal so weit daneben, wie es zulässt): "
+        "Vertrauensbereiche sind verbreitert"
+    ),
+    "radial clearances": "radiale Spiele",
+    "viscosities": "Viskositäten",
+    "ratios of viscosities": "Verhältnisse von Viskositäten",
+    "falls of the viscosity with speed": "Abfälle der Viskosität mit der Drehzahl",
+    "stiffnesses of pedestals": "Steifigkeiten von Lagerböcken",
+    "dampings of pedestals": "Dämpfungen von Lagerböcken",
+    "masses of pedestals": "Massen von Lagerböcken",
+    "stiffnesses of couplings": "Steifigkeiten von Kupplungen",
+    "dampings of couplings": "Dämpfungen von Kupplungen",
+    "are the clearances radial ones, and is the bearings' geometry right?": (
+        "sind die Spiele radiale, und stimmt die Geometrie der Lager?"
+    ),
+    "are the oil, its temperature and the bearings' geometry right?": (
+        "stimmen das Öl, seine Temperatur und die Geometrie der Lager?"
+    ),
+    (
         "coefficients deviate by {size} % over speed from the document's forms, beside oil films that deviate themselves: "
         "intervals are widened"
     ): (

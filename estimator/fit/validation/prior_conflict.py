@@ -36,7 +36,7 @@ KINDS = {
 }
 """What is judged together, in words: whose it is, and the physical quantity."""
 ASKED = {
-    "radial clearances": "are they radial ones, and is the geometry right?",
+    "radial clearances": "are the clearances radial ones, and is the bearings' geometry right?",
     "viscosities": "are the oil, its temperature and the bearings' geometry right?",
 }
 """What may be wrong."""
@@ -67,7 +67,7 @@ def judge_priors(problem: FitProblem, found: FitResult, covariance: Floats) -> F
         answer = covariance[:, one.places] / coordinates.spread[one.places] @ one.check.directions
         whole = whole + one.check.misplaced**2 * answer @ answer.T
         remark += f"; {_words(one, coordinates, found.theta)}"
-    return FormVerdict(whole, remark=f"{remark} Intervals are widened" if remark else "")
+    return FormVerdict(whole, remark=remark)
 
 
 def _conflicts(coordinates: Coordinates, theta: Floats, covariance: Floats) -> list[_Conflict]:
@@ -105,5 +105,5 @@ def _words(one: _Conflict, coordinates: Coordinates, theta: Floats) -> str:
     size = f"{abs(away[worst]):.1f} times as far as it may be off"
     if describe(coordinates.names[place]).positive:
         size = f"{np.exp(theta[place] - coordinates.centre[place]):.2g} times what it says, {size}"
-    asked = ASKED.get(one.kind, "is that right?")
-    return f"{one.kind} contradict the document, {coordinates.names[place]} most ({size}): {asked}"
+    words = f"{one.kind} contradict the document, {coordinates.names[place]} most ({size}): intervals are widened"
+    return "; ".join((words, *([ASKED[one.kind]] if one.kind in ASKED else [])))

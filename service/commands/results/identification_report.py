@@ -18,7 +18,7 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
-from rotorundown.estimate_summary import REFUSED_VALUES, element_lines, sample_words
+from rotorundown.estimate_summary import ERRORS, REFUSED_VALUES, element_lines, sample_words
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6
@@ -59,11 +59,16 @@ def identification_text(machine: Machine, result: Identification, *, every: bool
 
 def _parameter_lines(estimates: Sequence[Estimate]) -> list[str]:
     width = max(len(estimate.name) for estimate in estimates)
-    return [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in estimates]
+    return [ERRORS, *(f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in estimates)]
 
 
 def _summary_lines(estimates: Sequence[Estimate]) -> list[str]:
-    return [*element_lines(estimates), "", "All parameters, a line each: --all; for a program: --json"]
+    return [
+        "Values ± standard error",
+        *element_lines(estimates),
+        "",
+        "All parameters, a line each: --all; for a program: --json",
+    ]
 
 
 def find_helpful(machine: Machine, result: Identification, measurement: Measurement) -> list[Benefit]:
@@ -159,7 +164,7 @@ def comparison_text(comparison: ModelComparison, baseline: Identification) -> st
 def slow_roll_text(machine: Machine, found: Capture) -> str:
     """Return the vectors of a capture, a line per channel, with the reasons of channels without one."""
     speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} r/min"
-    lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
+    lines = [f"Slow-roll vectors ± standard error from {found.samples} samples, {speeds}"]
     width = max(map(len, machine.channels))
     scale = METRES["um"] * PEAK["peak-to-peak"]
     for channel, vector, error in zip(machine.channels, found.slow_roll.vector, found.slow_roll.standard_error, strict=True):

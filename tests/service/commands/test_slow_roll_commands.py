@@ -47,7 +47,7 @@ def files(tmp_path: Path) -> tuple[str, str]:
 def test_vectors_are_printed(files: tuple[str, str]) -> None:
     text = run("slow-roll", *files, "10:30")
     lines = text.splitlines()
-    assert lines[0] == "Slow-roll vectors from 40 samples, 10 to 30 r/min"
+    assert lines[0] == "Slow-roll vectors ± standard error from 40 samples, 10 to 30 r/min"
     assert len(lines) == 9
     for line, vector in zip(lines[1:], RUN_OUT, strict=True):
         words = line.replace(",", "").replace("°", "").split()
