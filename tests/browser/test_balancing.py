@@ -91,7 +91,20 @@ def test_a_machine_is_balanced_from_the_page(seen: Seen, service: Service) -> No
     dialog = _step(seen, "Compute the correction …")
     _send(dialog, "Compute")
     expect(dialog).to_have_count(0)
+    chosen = service.get(f"/machines/{COPY}/balancings")[0]["correction"]["speeds_rpm"]
+    assert len(chosen) > 2
+    stated = [round(one) for one in chosen[1:3]]
+    dialog = _step(seen, "Compute anew")
+    dialog.get_by_label("Speeds, with blanks between").fill(f"{stated[0]}  {stated[1]},0")
+    _send(dialog, "Compute")
+    expect(dialog).to_have_count(0)
+    at_stated = service.get(f"/machines/{COPY}/balancings")[0]["correction"]
+    assert at_stated["speeds_rpm"] == pytest.approx(stated)
+    dialog = _step(seen, "Compute anew")
+    _send(dialog, "Compute")
+    expect(dialog).to_have_count(0)
     found = service.get(f"/machines/{COPY}/balancings")[0]
+    assert found["correction"]["speeds_rpm"] == chosen
     (plane,) = found["correction"]["planes"]
     assert plane["disc"] == "D1"
     expect(seen.page.get_by_role("cell", name=f"{round(plane['angle_deg'])}", exact=False).first).to_be_visible()

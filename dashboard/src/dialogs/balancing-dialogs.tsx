@@ -80,10 +80,16 @@ function bodyOf(step: BalancingStep, form: FormData, discs: string[], balancing:
       return { run, weights: [...kept, weight], by };
     }
     case "correction":
-      return { criterion: form.get("criterion"), grade: Number(form.get("grade")), limits_g_mm: limitsOf(form, discs), places: placesOf(form, discs), by };
+      return { criterion: form.get("criterion"), grade: Number(form.get("grade")), speeds_rpm: speedsOf(form), limits_g_mm: limitsOf(form, discs), places: placesOf(form, discs), by };
     case "check":
       return { run, weights: installedOf(form, discs, balancing), by };
   }
+}
+
+/** The speeds that were stated [r/min]; null for none. */
+function speedsOf(form: FormData): number[] | null {
+  const stated = String(form.get("speeds") ?? "").match(/[^\s;]+/g);
+  return stated ? stated.map((one) => Number(one.replace(",", "."))) : null;
 }
 
 /** A weight of an answer as a request states it. */
@@ -253,6 +259,10 @@ function CorrectionFields({ machine }: { machine: Document }) {
       <label>
         {t("balanceQualityGradeGIso")}
         <input name="grade" type="number" step="any" min="0.1" defaultValue="2.5" required />
+      </label>
+      <label>
+        {t("speedsToBalanceAt")}
+        <input name="speeds" inputMode="decimal" pattern="\s*(\d+([.,]\d+)?[\s;]*)*" placeholder={t("forExampleSpeeds")} />
       </label>
       {machine.discs.map((one) => (
         <DiscBounds key={one.id} disc={one.id} />

@@ -72,6 +72,8 @@ export const de: Record<Key, string> = {
   squaresOfTheVibration: "Quadratsumme der Schwingung",
   largestVibration: "größte Schwingung",
   balanceQualityGradeGIso: "Auswucht-Gütestufe G, ISO 21940-11 [mm/s]",
+  speedsToBalanceAt: "Drehzahlen, mit Leerzeichen dazwischen [r/min]; leer: einige, die die Läufe gemeinsam haben",
+  forExampleSpeeds: "1480 2960",
   atMostGMm: "Höchstens [g·mm]",
   holes: "Bohrungen",
   theirRadiusMm: "Ihr Radius [mm]",

@@ -71,6 +71,8 @@ export const en = {
   squaresOfTheVibration: "squares of the vibration",
   largestVibration: "largest vibration",
   balanceQualityGradeGIso: "Balance quality grade G, ISO 21940-11 [mm/s]",
+  speedsToBalanceAt: "Speeds, with blanks between [r/min]; empty: some that the runs share",
+  forExampleSpeeds: "1480 2960",
   atMostGMm: "At most [g·mm]",
   holes: "Holes",
   theirRadiusMm: "Their radius [mm]",
