@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from estimator.machine.alignment_rules import OFFSETS
 from estimator.machine.checks.odd_angles import odd_angles
@@ -40,8 +41,7 @@ ODD = (odd_masses, odd_forces, odd_angles, odd_supplies)
 """Checks of parts that know their own fields."""
 
 
-@dataclass(frozen=True)
-class DocumentWarning:
+class DocumentWarning(Struct, frozen=True):
     """Something in a document that is probably a mistake.
 
     Attributes:

@@ -16,7 +16,7 @@ WEAKEST_FORCE = 0.005
 WIDEST_FORCE = 5.0
 """Spread of a static force over the weight of all rotors above which a warning asks whether its unit is right [-]."""
 USUAL_FORCE = (0.01, 10.0)
-"""What is usual of a force, over the weight of all rotors [-]."""
+"""Usual size of a force over the weight of all rotors [-]."""
 AXES = ("force_x", "force_y")
 
 

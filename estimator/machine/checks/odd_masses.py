@@ -14,15 +14,15 @@ HEAVIEST_DISC = 50.0
 PEDESTALS = (0.02, 100.0)
 """Mass of a pedestal over a bearing's share of all rotors' mass beyond which a warning asks whether its unit is right [-]."""
 USUAL_PEDESTAL = (0.1, 10.0)
-"""What is usual of that [-]."""
+"""Usual mass of a pedestal over that share [-]."""
 GYRATION = (1e-3, 5.0)
 """Radius of gyration of a disc beyond which a warning asks whether the unit of its inertia is right [m]."""
 USUAL_GYRATION = (0.01, 2.0)
-"""What is usual of that [m]."""
+"""Usual radius of gyration of a disc [m]."""
 LARGEST_ECCENTRICITY = 5e-3
 """Residual unbalance over the rotor's mass above which a warning asks whether its unit is right [m]: G 6.3 allows 20 µm."""
 USUAL_ECCENTRICITY = (1e-7, 2e-3)
-"""What is usual of that, with weights of trials [m]."""
+"""Usual residual unbalance over the rotor's mass, with weights of trials [m]."""
 
 
 def odd_masses(machine: Machine) -> Iterator[tuple[str, str]]:
