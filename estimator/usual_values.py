@@ -19,6 +19,8 @@ from estimator.units import KILOGRAMS, METRES, RAD_PER_S, RADIANS
 
 UNIT = re.compile(r"\[([^\]]*)\]")
 """Unit in the description of a field; no unit is [-]."""
+WHOLE = re.compile(r"\d+")
+"""Whole number in a text."""
 USUAL = re.compile(r"\busual(?:ly)?\b[^;:]*")
 """Clause of a field's description that says what is usual."""
 
@@ -30,6 +32,8 @@ BOUNDS: Mapping[str, tuple[str, str]] = {
     "less_than_equal": ("le", "less than or equal to"),
 }
 """Name of the bound in an error, and its words, by the library's kind of the error."""
+OIL_DENSITY = 870.0
+"""Density of mineral oil, by which a kinematic viscosity becomes a dynamic one [kg/m³]."""
 TINY = 1e-20
 """Bound that stands for zero [m, or any unit]."""
 
@@ -61,14 +65,16 @@ class OtherUnit(Struct, frozen=True):
 
 OTHER_UNITS: Mapping[str, tuple[OtherUnit, ...]] = {
     "m": (OtherUnit("mm", METRES["mm"]), OtherUnit("µm", METRES["um"])),
-    "kg": (OtherUnit("g", KILOGRAMS["g"]),),
+    "kg": (OtherUnit("g", KILOGRAMS["g"]), OtherUnit("t", 1e3)),
+    "kg m": (OtherUnit("g mm", 1e-6), OtherUnit("kg mm", 1e-3)),
+    "kg m²": (OtherUnit("kg mm²", 1e-6), OtherUnit("kg cm²", 1e-4), OtherUnit("t m²", 1e3)),
     "N": (OtherUnit("kN", 1e3),),
     "N/m": (OtherUnit("N/µm", 1e6),),
     "N s/m": (OtherUnit("N s/mm", 1e3),),
     "N m/rad": (OtherUnit("MN m/rad", 1e6),),
     "N/m²": (OtherUnit("GPa", 1e9), OtherUnit("MPa", 1e6)),
     "kg/m³": (OtherUnit("g/cm³", 1e3),),
-    "Pa s": (OtherUnit("mPa s (cP)", 1e-3),),
+    "Pa s": (OtherUnit("mPa s (cP)", 1e-3), OtherUnit("m²/s", OIL_DENSITY)),
     "°C": (OtherUnit("K", 1.0, 273.15), OtherUnit("°F", 1 / 1.8, 32.0)),
     "°": (OtherUnit("rad", 1 / RADIANS["deg"]),),
     "rad": (OtherUnit("mrad", 1e-3), OtherUnit("µrad", 1e-6)),
@@ -197,6 +203,23 @@ def range_words(error: Any, field: FieldInfo | None) -> str:
     bound = 0.0 if value <= 0.0 < bound else bound
     said = f"{with_unit(value, told.unit)}: should be {words} {with_unit(bound, told.unit) if bound else 0}"
     return said + (f"; {told.clause}" if told.clause else "") + told.question(value)
+
+
+def nearest_number(given: Any, expected: str) -> str:
+    """Return the question which of the listed numbers was meant.
+
+    Args:
+        given: What was given; a text counts by the number in it, such as "VG 33".
+        expected: Words with the numbers that there are; texts have none to be near to.
+
+    Returns:
+        The question, beginning with a semicolon; empty where there are no numbers.
+    """
+    said, known = WHOLE.findall(str(given)[:40]), [] if "'" in expected else [int(one) for one in WHOLE.findall(expected)]
+    if len(said) != 1 or len(known) < 2:
+        return ""
+    value = int(said[0])
+    return f"; was {min(known, key=lambda one: abs(one - value))} meant?"
 
 
 def _bounds(declared: Any) -> Iterator[Within]:

@@ -315,6 +315,8 @@ class Table(FormDefaults, TableColumns):
             meant = question(last, "r/min", (LEAST_COVERED * highest_rpm, highest_rpm / LEAST_COVERED))
             yield "speed_rpm", words + meant
         yield from self._gaps(lowest_rpm, highest_rpm)
+        for at, one in {"": self, **{f"over_load[{k}].": one for k, one in enumerate(self.over_load or ())}}.items():
+            yield from ((at + name, words) for name, words in one.spikes(self.speed_rpm))
         if self.over_load and self.load is not None:
             least, most = self.over_load[0].load, self.over_load[-1].load
             if not least <= self.load <= most:

@@ -10,7 +10,7 @@ from pydantic import Field
 from estimator.bearings.monotone_cubic import MonotoneCubic
 from estimator.bearings.terms import LATERAL
 from estimator.field_types import Direct, Part, Positive, Real, Stiffness
-from estimator.usual_values import declarations
+from estimator.usual_values import declarations, with_unit
 
 MOST_SPEEDS = 500
 """Largest number of speeds of a table."""
@@ -18,8 +18,14 @@ MOST_LOADS = 20
 """Largest number of loads of a table."""
 SMALLEST_STIFFNESS = 1e3
 """Smallest direct stiffness of a bearing or pedestal [N/m]: one that sinks by a millimetre under 0.1 kg."""
+SPIKE, SPIKE_AT_END = 10.0, 100.0
+"""Ratio of a value to both beside it above which it is doubted, and of one at an end of the table to the next two [-]."""
+STEEP = 10.0
+"""Largest ratio of the values beside one that may be doubted [-]."""
 COLUMNS = tuple(term.name for term in LATERAL)
 """Terms that a table can give."""
+DIRECT = frozenset(term.name for term in LATERAL if term.direct)
+"""Those of them that are positive by nature."""
 StiffnessColumn = Annotated[tuple[Stiffness, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
@@ -53,6 +59,22 @@ class TableColumns(Part):
             if column and min(column) < SMALLEST_STIFFNESS:
                 yield name, declarations(type(self))[name].words(min(column))
 
+    def spikes(self, speed_rpm: Sequence[float]) -> Iterator[tuple[str, str]]:
+        """Find values that are far from those at the speeds beside them: a digit or an exponent of theirs is probably wrong.
+
+        Args:
+            speed_rpm: The table's speeds (n,) [r/min].
+
+        Yields:
+            Name of a column, and such a value with what stands beside it.
+        """
+        for name in COLUMNS:
+            column, told = getattr(self, name) or (), declarations(type(self))[name]
+            for place in _spikes([abs(value) for value in column], direct=name in DIRECT):
+                beside = column[place - 1 if place else 1]
+                words = f"{with_unit(column[place], told.unit)} at {speed_rpm[place]:g} r/min stands beside"
+                yield name, f"{words} {with_unit(beside, told.unit)}: is its exponent right?"
+
     def require_values(self, count: int) -> None:
         """Check that each column has one value at each speed.
 
@@ -72,6 +94,20 @@ class ColumnsAtLoad(TableColumns):
     """Columns of a table for one load on the bearing."""
 
     load: Positive = Field(description="static load on the bearing [N]")
+
+
+def _spikes(sizes: Sequence[float], *, direct: bool) -> Iterator[int]:
+    """Yield the places of values that are far above all beside them, or, of a direct term, far below."""
+    last = len(sizes) - 1
+    for place, size in enumerate(sizes):
+        if 0 < place < last:
+            beside, far = (sizes[place - 1], sizes[place + 1]), SPIKE
+        else:  # at an end the next two tell whether the course is as steep there as beside
+            beside, far = (sizes[1], sizes[2]) if place == 0 else (sizes[-3], sizes[-2]), SPIKE_AT_END
+        if min(beside) == 0.0 or max(beside) > STEEP * min(beside):
+            continue
+        if size > far * max(beside) or (direct and size * far < min(beside)):
+            yield place
 
 
 def require_alike(tables: Sequence[ColumnsAtLoad]) -> None:

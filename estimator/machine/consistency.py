@@ -10,6 +10,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from estimator.bearings.model import BearingForm, WholeTrain
 from estimator.bearings.terms import TERMS
+from estimator.close_matches import did_you_mean
 from estimator.machine.bearings_on_films import BearingOnFilm, bearings_on_films
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
@@ -392,8 +393,16 @@ def _value_problems(
 
 def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:
     """Find parameters that cannot be tied as a rule says; tied: by name of a tied parameter, the rule that ties it."""
+    known = {describe(name).element for name in coefficients}
+    absent = {i for i in tied.values() if train.parameters[i].tied_to not in known}
+    for i in sorted(absent):
+        missing = str(train.parameters[i].tied_to)
+        own = {describe(name).element for name, by in tied.items() if by == i}
+        yield _problem(("parameters", i, "tied_to"), missing, _absent_words(missing, known - own))
     for name, i in tied.items():
         target = train.parameters[i].tied_to
+        if i in absent:
+            continue
         leader = f"{target}.{describe(name).quantity}"
         if leader == name:
             message = f"'{name}' cannot be tied to itself"
@@ -406,6 +415,16 @@ def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dic
         else:
             continue
         yield _problem(("parameters", i, "tied_to"), target, message)
+
+
+def _absent_words(target: str, known: Iterable[str]) -> str:
+    """State that there is no element of this name, with those that there are of its kind, or of all kinds."""
+    kind = describe(target).element_kind
+    alike = sorted(one for one in known if describe(one).element_kind == kind)
+    of_kind = kind in ELEMENTS.values()
+    told = f"there is no {kind} '{describe(target).element_id}'" if of_kind else f"'{target}' has no coefficients"
+    there = f": there are {', '.join(alike)}" if alike else ""
+    return f"{told} to tie to{did_you_mean(target, alike) or there}"
 
 
 def _sparkplug_problems(train: Train) -> Iterator[InitErrorDetails]:

@@ -29,7 +29,7 @@ from estimator.machine.rules import (
 from estimator.machine.sparkplug import Sparkplug
 from estimator.machine.unfinished_document import further_problems
 from estimator.strict_model import field_at, fields_beside, own_words, repeatable
-from estimator.usual_values import range_words
+from estimator.usual_values import nearest_number, range_words
 
 COUNTED = ("shafts", "discs", "bearings", "couplings", "probes")
 """Lists whose lengths tell what kind of machine it is."""
@@ -302,6 +302,8 @@ def _words(item: Any, model: type[BaseModel] | None) -> str:
         return f"'{item['input']!s:.40}' is no number: write it with a decimal point"
     if item["type"] == "too_short":
         return f"should have at least {item['ctx']['min_length']} of them, not {item['ctx']['actual_length']}"
+    if item["type"] == "literal_error":
+        return str(item["msg"]) + nearest_number(item["input"], item["ctx"]["expected"])
     if item["type"] == "string_pattern_mismatch":
         return PATTERNS.get(item["ctx"]["pattern"], str(item["msg"]))
     field = None if model is None else field_at(model, item["loc"])

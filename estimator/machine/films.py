@@ -14,8 +14,8 @@ LARGEST_CLEARANCE = 0.1
 """Largest radial clearance, as a part of the radius [-]."""
 USUAL_CLEARANCE = (0.0005, 0.0035)
 """Usual ratio of the radial clearance, and of what preload leaves of it, to the journal's radius: others are warned of [-]."""
-LARGEST_VISCOSITY = 10.0
-"""Largest dynamic viscosity of an oil in a bearing [Pa s]; more was meant in mPa s."""
+DEFAULT_GROOVE = 20.0
+"""Width of an axial groove where the document says nothing [°]."""
 LARGEST_PAD_PRELOAD = 0.8
 """Largest preload of tilting pads [-]."""
 JournalLength = Annotated[float, Within(gt=1e-6, lt=100, usual=(0.02, 1))]
@@ -54,11 +54,12 @@ class Oil(Part):
     def _one_way(self) -> Self:
         if (self.viscosity is None) == (self.iso_vg is None):
             raise ValueError("an oil needs either viscosity [Pa s] or iso_vg with temperature_c or inlet_c [°C]")
-        if self.viscosity is not None and self.viscosity > LARGEST_VISCOSITY:
-            raise ValueError(f"viscosity {self.viscosity} Pa s: turbine oil has 0.005 to 0.1 Pa s; were mPa s meant?")
         warmed = (self.temperature_c is not None) + (self.inlet_c is not None)
         if warmed != (self.iso_vg is not None):
-            raise ValueError("iso_vg needs either temperature_c, of the film, or inlet_c [°C], and goes with nothing else")
+            raise ValueError(
+                "iso_vg needs either temperature_c, of the film, usually 40 to 80 °C, or inlet_c, usually 35 to 50 °C, and "
+                "these go with nothing else"
+            )
         if self.temperature_from is not None and self.iso_vg is None:
             raise ValueError("temperature_from needs iso_vg: a viscosity that is given follows no temperature")
         return self
@@ -96,10 +97,14 @@ class JournalFilm(Part):
     )
     profile: Profile = Field(default="plain", description="round, with grooves or lobes, or with tilting pads")
     preload: Annotated[float, Within(ge=0, lt=1, usual=(0.1, 0.8))] = Field(
-        default=0.0, description="of each lobe or tilting pad [-]; 0 for round profiles, usually 0.3 to 0.6 for lobed ones"
+        default=0.0,
+        description="of each lobe or tilting pad [-]; 0 for round profiles, usually 0.3 to 0.6 for lobed ones, "
+        "0 to 0.5 for tilting pads",
     )
     pads: TiltingPads | None = Field(default=None, description="of profile tilting_pad, which needs them")
-    groove_deg: Annotated[float, Within(gt=0, lt=85)] = Field(default=20.0, description="width of each axial groove [°]")
+    groove_deg: Annotated[float, Within(gt=0, lt=85, usual=(5, 45))] = Field(
+        default=DEFAULT_GROOVE, description="width of each axial groove [°], in a two_axial_grooves or lobed profile"
+    )
     turned_deg: Angle = Field(
         default=0.0,
         description="angle by which the profile is turned from +x to +y [°]; not turned, grooves of two_axial_grooves and "

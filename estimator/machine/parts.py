@@ -36,7 +36,7 @@ class Material(Part):
     young_modulus: Annotated[float, Within(gt=0, lt=1e15, usual=(1e9, 1e12))] = Field(
         description="E [N/m²]; usual is 2.1e+11 N/m², of steel"
     )
-    density: Annotated[float, Within(gt=0, lt=1e15, usual=(1000, 20000))] = Field(
+    density: Annotated[float, Within(gt=0, lt=1e15, usual=(1500, 20000))] = Field(
         description="ρ [kg/m³]; usual is 7850 kg/m³, of steel"
     )
     poisson_ratio: Annotated[float, Within(gt=-1, lt=0.5, usual=(0.2, 0.4))] = Field(default=0.3, description="ν [-]")
@@ -133,8 +133,8 @@ class Pedestal(Part):
     kyy: Stiffness = Field(description="[N/m]; usual is 1e+6 to 1e+10 N/m")
     cxx: Direct = Field(description="[N s/m]")
     cyy: Direct = Field(description="[N s/m]")
-    mxx: Direct = Field(description="mass that moves along x [kg]")
-    myy: Direct = Field(description="mass that moves along y [kg]")
+    mxx: Direct = Field(description="mass that moves along x [kg]; usual is 0.1 to 10 times the rotor's mass on it")
+    myy: Direct = Field(description="mass that moves along y [kg]; usual is 0.1 to 10 times the rotor's mass on it")
 
     @property
     def speed_dependence(self) -> None:

@@ -210,9 +210,9 @@ class ParameterRule(Part):
         description="a parameter's name or a pattern, such as coupling.C1.k_phi*"
     )
     fixed: bool = Field(default=False, description="keep the nominal value")
-    spread: Positive | None = Field(
+    spread: Annotated[float, Within(gt=0, lt=1e15, usual=(0.01, 1))] | None = Field(
         default=None,
-        description="how far from the nominal value, rms: of a direct term's logarithm, else part of the value, or of the "
+        description="how far from the nominal value, rms [-]: of a direct term's logarithm, else part of the value, or of the "
         "direct terms beside a cross-coupled term of zero",
     )
     tied_to: str | None = Field(default=None, description="element whose coefficients of the same names it takes: bearing.B1")

@@ -9,6 +9,69 @@ DOCUMENTS: Mapping[str, str] = {
     "{running} r/min lies below the speed range, {low} to {high} r/min": (
         "{running} 1/min liegt unter dem Drehzahlbereich, {low} bis {high} 1/min"
     ),
+    "{inertia} kg m² of {mass} kg is a radius of gyration of {radius} m: usual is {least} to {most} m": (
+        "{inertia} kg m² bei {mass} kg ist ein Trägheitsradius von {radius} m: üblich ist {least} bis {most} m"
+    ),
+    "was {value} {unit} meant, {meant} kg m²?": "waren {value} {unit} gemeint, {meant} kg m²?",
+    (
+        "{size} kg m shifts the centre of mass of shaft '{shaft}' with its discs, {mass} kg, by {shift} mm: usual is less "
+        "than {most} mm"
+    ): (
+        "{size} kg m verschiebt den Schwerpunkt von Welle '{shaft}' mit ihren Scheiben, {mass} kg, um {shift} mm: üblich ist "
+        "weniger als {most} mm"
+    ),
+    "was {value} {unit} meant, {meant} kg m?": "waren {value} {unit} gemeint, {meant} kg m?",
+    "{mass} kg is {times} times a bearing's share of all rotors, {share} kg: usual is {least} to {most} times": (
+        "{mass} kg ist das {times}-Fache des Anteils eines Lagers an allen Rotoren, {share} kg: üblich ist das {least}- bis "
+        "{most}-Fache"
+    ),
+    "was {value} t meant, {mass} kg?": "waren {value} t gemeint, {mass} kg?",
+    "neither a force nor a spread: it does nothing": "weder eine Kraft noch eine Streuung: sie bewirkt nichts",
+    "usual are force_x, force_y [N], up to the rotors' weight": (
+        "üblich sind force_x, force_y [N], bis zum Gewicht der Rotoren"
+    ),
+    "{force} N is {times} times the weight of all rotors, {weight} N: usual is {least} to {most} times": (
+        "{force} N ist das {times}-Fache des Gewichts aller Rotoren, {weight} N: üblich ist das {least}- bis {most}-Fache"
+    ),
+    "was {value} kN meant, {meant} N?": "waren {value} kN gemeint, {meant} N?",
+    "{spread} N is {times} times the weight of all rotors, {weight} N: usual is {least} to {most} times the force": (
+        "{spread} N ist das {times}-Fache des Gewichts aller Rotoren, {weight} N: üblich ist das {least}- bis {most}-Fache "
+        "der Kraft"
+    ),
+    "{load} N is {times} times a bearing's share of all rotors' weight, {share} N: usual is {least} to {most} times": (
+        "{load} N ist das {times}-Fache des Anteils eines Lagers am Gewicht aller Rotoren, {share} N: üblich ist das {least}- "
+        "bis {most}-Fache"
+    ),
+    "{angle} °: probes mostly stand at multiples of {step}°": ("{angle} °: Sensoren stehen meist bei Vielfachen von {step}°"),
+    "{width} ° wide grooves: usual is {least} to {most} °": "{width} ° breite Nuten: üblich ist {least} bis {most} °",
+    "was {value} rad meant, {degrees} °?": "waren {value} rad gemeint, {degrees} °?",
+    "ISO VG {grade}, but bearing {bearing} of the same supply '{supply}' has ISO VG {other}: one supply has one oil": (
+        "ISO VG {grade}, aber Lager {bearing} derselben Versorgung '{supply}' hat ISO VG {other}: eine Versorgung hat ein Öl"
+    ),
+    (
+        "{viscosity} Pa s, but bearing {bearing} of the same supply '{supply}' has {other} Pa s: one supply has one oil, "
+        "usual is up to twice as much"
+    ): (
+        "{viscosity} Pa s, aber Lager {bearing} derselben Versorgung '{supply}' hat {other} Pa s: eine Versorgung hat ein Öl, "
+        "üblich ist bis zum Doppelten"
+    ),
+    (
+        "'{supply}' is the supply of this bearing alone, '{other}' that of {bearings}: is it the same one, was '{meant}' "
+        "meant?"
+    ): (
+        "'{supply}' ist die Versorgung dieses Lagers allein, '{other}' die von {bearings}: ist es dieselbe, war '{meant}' "
+        "gemeint?"
+    ),
+    "{speed} r/min is near the end of the speed range, {fastest} r/min: few samples would be left": (
+        "{speed} 1/min liegt nahe am Ende des Drehzahlbereichs, {fastest} 1/min: wenige Messungen blieben übrig"
+    ),
+    "{value} {unit} at {speed} r/min stands beside {other}: is its exponent right?": (
+        "{value} {unit} bei {speed} 1/min steht neben {other}: stimmt der Exponent?"
+    ),
+    "{viscosity} Pa s: warm turbine oil has {least} to {most} Pa s, {low} to {high} mPa s (cP)": (
+        "{viscosity} Pa s: warmes Turbinenöl hat {least} bis {most} Pa s, {low} bis {high} mPa s (cP)"
+    ),
+    "was {value} m²/s meant, {meant} Pa s?": "waren {value} m²/s gemeint, {meant} Pa s?",
     "{density} kg/m³: steel has 7850 kg/m³": "{density} kg/m³: Stahl hat 7850 kg/m³",
     "was {value} g/cm³ meant?": "waren {value} g/cm³ gemeint?",
     "{mass} kg is {times} times the mass of shaft '{shaft}', {own} kg: usual is 0.1 to 5 times": (
@@ -37,8 +100,8 @@ DOCUMENTS: Mapping[str, str] = {
         "Differenz der Durchmesser"
     ),
     "{value} °C: oil is hardly ever above {hottest} °C there": "{value} °C: Öl ist dort kaum je wärmer als {hottest} °C",
-    "the bore of a {profile} bearing without preload is round: usual is 0.3 to 0.6": (
-        "die Bohrung eines Lagers der Form {profile} ist ohne Vorspannung rund: üblich ist 0,3 bis 0,6"
+    "profile {profile} without preload is a round bore: usual is 0.3 to 0.6": (
+        "Profil {profile} ohne Vorspannung ist eine runde Bohrung: üblich ist 0,3 bis 0,6"
     ),
     "was {value} °F meant, {celsius} °C?": "waren {value} °F gemeint, {celsius} °C?",
     "{speed} r/min is not below the end of the speed range, {fastest} r/min: no sample would be left": (

@@ -12,12 +12,14 @@ own limits of time and memory hold beside these bounds.
 """
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 from msgspec import Struct
 
 from estimator.bearings.registry import CONSTANT
 from estimator.machine.bearings_on_films import bearings_on_films
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.checks.plausibility import implausible_values
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.films import JournalFilm
@@ -100,7 +102,11 @@ def accepted_machine(document: Any) -> Machine:
     Raises:
         DocumentError: The document is wrong, too large, or has a value that only a slip of the unit explains.
     """
-    return require_acceptable(parse_machine(document))
+    try:
+        machine = parse_machine(document)
+    except DocumentError as error:
+        raise DocumentError([*error.problems, *_hidden_by_rules(document, error)]) from None
+    return require_acceptable(machine)
 
 
 def require_acceptable(machine: Machine) -> Machine:
@@ -125,6 +131,17 @@ def require_acceptable(machine: Machine) -> Machine:
     if problems:
         raise DocumentError(problems)
     return machine
+
+
+def _hidden_by_rules(document: Any, error: DocumentError) -> Iterator[tuple[str, str]]:
+    """Yield what is probably in another unit of a document in which nothing else than rules for parameters is wrong."""
+    if isinstance(document, dict) and all(field.startswith("parameters[") for field, _ in error.problems):
+        try:
+            machine = parse_machine({**document, "parameters": []})
+        except DocumentError:  # the rest is not right without rules either
+            return
+        doubted = {one.field: one.words for one in document_warnings(machine) if "meant" in one.words}
+        yield from (doubted | dict(implausible_values(machine))).items()
 
 
 def document_size(machine: Machine) -> DocumentSize:

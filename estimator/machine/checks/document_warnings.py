@@ -2,17 +2,21 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from estimator.machine.alignment_rules import OFFSETS
+from estimator.machine.checks.odd_angles import odd_angles
+from estimator.machine.checks.odd_forces import odd_forces
+from estimator.machine.checks.odd_masses import odd_masses
+from estimator.machine.checks.odd_supplies import odd_supplies
+from estimator.machine.checks.rotor_masses import LEAST_DENSITY
 from estimator.machine.document import Machine
 from estimator.machine.films import USUAL_CLEARANCE, JournalFilm, Oil
 from estimator.machine.part_coefficients import ELEMENTS, coefficient_names, nominal_value
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
-from estimator.units import GRAVITY
+from estimator.usual_values import declarations
 
-LEAST_DENSITY = 500.0
-"""Density of a shaft below which a warning asks whether g/cm³ was meant [kg/m³]."""
 HOTTEST_FILM, HOTTEST_INLET = 120.0, 80.0
 """Temperature of a film, and of the oil that comes, above which a warning asks whether °F was meant [°C]."""
 LOBED = ("elliptical", "three_lobe", "four_lobe")
@@ -28,18 +32,16 @@ LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
 USUAL_TOLERANCES = {"offset": (5e-6, 1e-3, "m", "3e-05 to 0.0002"), "angle": (2e-5, 5e-3, "rad", "0.0003 to 0.0013")}
 """Least and largest tolerance of a coupling that is not warned of, its unit, and what is usual."""
 
-HEAVIEST_DISC = 50.0
-"""Mass of a disc over that of its shaft above which a warning asks whether its unit is right [-]: examples have 0.5 to 3."""
-
-STRONGEST_FORCE = 50.0
-"""Static force over the weight of all rotors above which a warning asks whether its unit is right [-]: gears reach some 10."""
-
 SLOWEST_RANGE = 120.0
 """End of a speed range below which a warning asks whether its speeds are in Hz: hardly any train is so slow [r/min]."""
 
+LEAST_LEFT = 0.1
+"""Part of the speed range that is left above a film's valid_above_rpm below which it is warned of [-]."""
+ODD = (odd_masses, odd_forces, odd_angles, odd_supplies)
+"""Checks of parts that know their own fields."""
 
-@dataclass(frozen=True)
-class DocumentWarning:
+
+class DocumentWarning(Struct, frozen=True):
     """Something in a document that is probably a mistake.
 
     Attributes:
@@ -75,8 +77,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
     return (
         *_slow_speeds(machine),
         *_light_materials(machine),
-        *_heavy_discs(machine),
-        *_strong_forces(machine),
+        *(DocumentWarning(field, words) for found in ODD for field, words in found(machine)),
         *of_laws,
         *_incomplete_tables(machine),
         *_odd_films(machine),
@@ -159,40 +160,6 @@ def _light_materials(machine: Machine) -> Iterator[DocumentWarning]:
             )
 
 
-def _heavy_discs(machine: Machine) -> Iterator[DocumentWarning]:
-    """Yield discs that are so heavy that their shaft would not carry them."""
-    for number, disc in enumerate(machine.discs):
-        shaft = _mass(machine, machine.shaft(disc.shaft))
-        if shaft is not None and disc.mass > HEAVIEST_DISC * shaft:
-            words = f"{disc.mass:g} kg is {disc.mass / shaft:.0f} times the mass of shaft '{disc.shaft}', {shaft:.3g} kg"
-            meant = f"was {disc.mass:g} g meant, {disc.mass / 1e3:g} kg?"
-            yield DocumentWarning(f"discs[{number}].mass", f"{words}: usual is 0.1 to 5 times; {meant}")
-
-
-def _strong_forces(machine: Machine) -> Iterator[DocumentWarning]:
-    """Yield static forces that are so far beyond the weight of all rotors that no bearing of theirs would carry them."""
-    shafts = [_mass(machine, shaft) for shaft in machine.shafts]
-    if any(mass is None for mass in shafts):
-        return
-    halves = [half.mass for one in machine.couplings for half in (one.driver_half, one.driven_half) if half is not None]
-    weight = GRAVITY * math.fsum([*filter(None, shafts), *(disc.mass for disc in machine.discs), *halves])
-    for number, load in enumerate(machine.static_loads):
-        for name, force in (("force_x", load.force_x), ("force_y", load.force_y)):
-            if abs(force) > STRONGEST_FORCE * weight:
-                words = f"{force:g} N is {abs(force) / weight:.0f} times the weight of all rotors, {weight:.3g} N"
-                yield DocumentWarning(f"static_loads[{number}].{name}", f"{words}: usual is up to 10 times")
-
-
-def _mass(machine: Machine, shaft: Shaft) -> float | None:
-    """Return the mass of a shaft [kg]; None where a density is so low that it is warned of itself."""
-    materials = [machine.materials[one.material] for one in shaft.sections]
-    if any(one.density < LEAST_DENSITY for one in materials):
-        return None
-    areas = [math.pi / 4 * (one.outer_diameter**2 - one.inner_diameter**2) for one in shaft.sections]
-    parts = zip(shaft.sections, materials, areas, strict=True)
-    return sum(material.density * area * section.length for section, material, area in parts)
-
-
 def _incomplete_tables(machine: Machine) -> Iterator[DocumentWarning]:
     """Yield parts of which a table gives some coefficients, and nothing the others."""
     rpm = machine.speed_range.middle_rpm
@@ -219,6 +186,9 @@ def _odd_films(machine: Machine) -> Iterator[DocumentWarning]:
             if lifted >= fastest:
                 words = f"{lifted:g} r/min is not below the end of the speed range, {fastest:g} r/min: no sample would be left"
                 yield DocumentWarning(f"bearings[{number}].film.valid_above_rpm", words)
+            elif fastest - lifted < LEAST_LEFT * (fastest - machine.speed_range.minimum_rpm):
+                words = f"{lifted:g} r/min is near the end of the speed range, {fastest:g} r/min: few samples would be left"
+                yield DocumentWarning(f"bearings[{number}].film.valid_above_rpm", words)
 
 
 def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> Iterator[tuple[str, str]]:
@@ -233,7 +203,7 @@ def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> 
         words = f"{film.length:g} m is {slender:.2g} times the diameter, {film.diameter:g} m"
         yield "length", f"{words}: usual is 0.3 to 1.2 times"
     if film.preload == 0.0 and film.profile in LOBED:
-        yield "preload", f"the bore of a {film.profile} bearing without preload is round: usual is 0.3 to 0.6"
+        yield "preload", f"profile {film.profile} without preload is a round bore: usual is 0.3 to 0.6"
     yield from _odd_oil(film.oil)
     if not any(USUAL_JOURNAL[0] <= film.diameter / one <= USUAL_JOURNAL[1] for one in shaft):
         thick = " or ".join(f"{one:g}" for one in shaft)
@@ -244,7 +214,8 @@ def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> 
 def _odd_oil(oil: Oil) -> Iterator[tuple[str, str]]:
     """Yield fields of a film's oil with what is odd about them."""
     if oil.viscosity is not None and not USUAL_VISCOSITY[0] <= oil.viscosity <= USUAL_VISCOSITY[1]:
-        yield "oil.viscosity", f"{oil.viscosity:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
+        words = f"{oil.viscosity:g} Pa s: warm turbine oil has 0.005 to 0.1 Pa s, 5 to 100 mPa s (cP)"
+        yield "oil.viscosity", words + declarations(Oil)["viscosity"].question(oil.viscosity)
     for name, value, hottest in (("temperature_c", oil.temperature_c, HOTTEST_FILM), ("inlet_c", oil.inlet_c, HOTTEST_INLET)):
         if value is not None and value > hottest:
             words = f"{value:g} °C: oil is hardly ever above {hottest:g} °C there"

@@ -1,18 +1,28 @@
-"""Values of a machine document that only a slip of the unit explains; looked for where documents enter, not in stored ones."""
+"""Values of a machine document that only a slip explains, mostly one of the unit.
+
+They are looked for where documents enter, not in stored ones.
+"""
 
 from collections.abc import Iterator, Mapping
+from fnmatch import fnmatchcase
 from typing import Any
 
 from pydantic import BaseModel
 
 from estimator.bearings.table_columns import SMALLEST_STIFFNESS
+from estimator.machine.checks.rotor_masses import LEAST_DENSITY
 from estimator.machine.document import Machine, field_path
-from estimator.machine.films import Elevation, JournalFilm
-from estimator.machine.parts import Bearing, Material, Pedestal, Section
+from estimator.machine.films import DEFAULT_GROOVE, Elevation, JournalFilm
+from estimator.machine.parameter_description import is_direct
+from estimator.machine.part_coefficients import coefficient_values
+from estimator.machine.parts import Bearing, Coupling, Material, Pedestal, Section
+from estimator.machine.rules import ParameterRule
 from estimator.usual_values import declarations
 
 SMALLEST_YOUNG_MODULUS = 1e8
 """Smallest Young's modulus of a shaft [N/m²]: that of a hard rubber."""
+LARGEST_SPREAD = 5.0
+"""Largest spread of a direct term's logarithm [-]: a factor of 150 either way."""
 LARGEST_DIAMETER = 5.0
 """Largest diameter of a shaft [m]."""
 LARGEST_VISCOSITY = 2.0
@@ -28,7 +38,7 @@ TIMES_USUAL = 10.0
 
 
 def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
-    """Find values of which the unit must be another.
+    """Find values of which the unit must be another, or that contradict their part.
 
     Args:
         machine: The machine.
@@ -43,11 +53,15 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
 
 def _by_field(machine: Machine) -> Iterator[tuple[str, str]]:
     """Yield fields that have bounds of their own."""
-    modulus, diameter = declarations(Material)["young_modulus"], declarations(Section)["outer_diameter"]
+    modulus, density = declarations(Material)["young_modulus"], declarations(Material)["density"]
+    diameter = declarations(Section)["outer_diameter"]
     for name, material in machine.materials.items():
         value = material.young_modulus
         if value < SMALLEST_YOUNG_MODULUS:
             yield f"materials.{name}.young_modulus", f"{value:g} N/m²: steel has 2.1e+11 N/m²{modulus.question(value)}"
+        meant = density.question(material.density) if material.density < LEAST_DENSITY else ""
+        if meant:
+            yield f"materials.{name}.density", f"{material.density:g} kg/m³: steel has 7850 kg/m³{meant}"
     for i, shaft in enumerate(machine.shafts):
         for j, section in enumerate(shaft.sections):
             if section.outer_diameter > LARGEST_DIAMETER:
@@ -55,6 +69,9 @@ def _by_field(machine: Machine) -> Iterator[tuple[str, str]]:
     for place in ("bearings", "pedestals"):
         for i, part in enumerate(getattr(machine, place)):
             yield from ((f"{place}[{i}].{field}", words) for field, words in _soft(part))
+    for i, coupling in enumerate(machine.couplings):
+        yield from ((f"couplings[{i}].{field}", words) for field, words in _soft_coupling(coupling))
+    yield from _wide_rules(machine)
     for i, bearing in enumerate(machine.bearings):
         if bearing.film is not None:
             yield from ((f"bearings[{i}].film.{field}", message) for field, message in _of_film(bearing.film))
@@ -80,6 +97,22 @@ def _soft(part: Bearing | Pedestal) -> Iterator[tuple[str, str]]:
         yield from ((f"speed_dependence.{field}", words) for field, words in form.implausible())
 
 
+def _soft_coupling(coupling: Coupling) -> Iterator[tuple[str, str]]:
+    """Yield the direct stiffnesses of a coupling that are usual in N/µm; one near zero may stand for none."""
+    for term in ("kxx", "kyy"):
+        value, told = getattr(coupling, term), declarations(Coupling)[term]
+        if value is not None and value < SMALLEST_STIFFNESS and told.question(value):
+            yield term, told.words(value)
+
+
+def _wide_rules(machine: Machine) -> Iterator[tuple[str, str]]:
+    """Yield spreads of rules for direct terms that are usual in %: they count as that of the logarithm."""
+    told, direct = declarations(ParameterRule)["spread"], [one for one in coefficient_values(machine) if is_direct(one)]
+    for i, rule in enumerate(machine.parameters):
+        if rule.spread is not None and rule.spread > LARGEST_SPREAD and any(fnmatchcase(one, rule.names) for one in direct):
+            yield f"parameters[{i}].spread", told.words(rule.spread)
+
+
 def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
     for name, value in (("diameter", film.diameter), ("length", film.length)):
         if value > LARGEST_DIAMETER:
@@ -93,6 +126,9 @@ def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
     viscosity = film.oil.viscosity
     if viscosity is not None and viscosity > LARGEST_VISCOSITY:
         yield "oil.viscosity", declarations(type(film.oil))["viscosity"].words(viscosity)
+    if film.profile in ("plain", "tilting_pad") and film.groove_deg != DEFAULT_GROOVE:
+        words = f"{film.groove_deg:g} °: grooves go with profile two_axial_grooves or a lobed one, not with {film.profile}"
+        yield "groove_deg", words
 
 
 def _of_elevations(named: Mapping[str, float]) -> Iterator[tuple[str, str]]:

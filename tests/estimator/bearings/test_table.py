@@ -31,8 +31,10 @@ from estimator.simulation.simulated_plant import draw_truth, true_phasors, truth
 from estimator.trends.between_run_scatter import DAMPING_SCATTER, STIFFNESS_SCATTER, expected_scatter
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import updated_model
+from formats.files.document_files import read_yaml
 from tests.estimator.full_train import elements, full_response, node_of
 from tests.estimator.trains import LATERAL, Complexes, Document, Floats, chapter_3_document, few_examples, noisy
+from tests.paths import EXAMPLES
 
 SPEED: Floats = np.arange(12.0, 300.0, 2.0)
 RPM = np.linspace(90.0, 3000.0, 40)
@@ -433,6 +435,38 @@ def test_a_hole_between_the_speeds_is_warned_of() -> None:
     assert hole.words.startswith(
         "no speed between 300 and 6000 r/min, 96 % of the machine's range: the course there is a guess"
     )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"kxx": [9e7, 9e7, 9e10, 9e7, 9e7]}, "kxx: 9e+10 N/m at 1000 r/min stands beside 9e+07 N/m: is its exponent right?"),
+        ({"kxx": [9e10, 9e7, 8e7, 8e7, 8e7]}, "kxx: 9e+10 N/m at 90 r/min stands beside 9e+07 N/m"),
+        ({"kxx": [9e7, 9e7, 8e7, 8e4, 8e7]}, "kxx: 80000 N/m at 2000 r/min stands beside 8e+07 N/m"),
+        ({"kxx": [1e9, 1e8, 3e7, 1e7, 8e6]}, None),
+        ({"kxx": [9e7] * 5, "kxy": [1e7, 1e6, 0.0, -1e6, -8e6]}, None),
+    ],
+)
+def test_a_value_far_from_those_beside_it_is_warned_of(change: dict[str, Any], words: str | None) -> None:
+    document = with_table(small(speed_rpm=[90, 500, 1000, 2000, 6000], **change))
+    for name in change:
+        document["bearings"][1].pop(name, None)
+    told = [str(one) for one in document_warnings(parse_machine(document))]
+    assert len(told) == (words is not None), told
+    assert words is None or told[0].startswith(f"bearings[1].speed_dependence.{words}")
+
+
+def test_loads_of_a_table_in_kilonewtons_are_asked_for() -> None:
+    document = read_yaml(EXAMPLES / "motor-on-rolling-elements.yaml")
+    columns = {"kxx": [9e7] * 5}
+    tables = [{"load": load, **columns} for load in (0.8, 2.0)]
+    table = {"form": "table", "speed_rpm": [500, 1000, 2000, 3000, 5000], "over_load": tables, "load": 1.3}
+    document["bearings"][0]["speed_dependence"] = table
+    del document["bearings"][0]["kxx"], document["parameters"]
+    (unit,) = document_warnings(parse_machine(document))
+    assert unit.field == "bearings[0].speed_dependence.load"
+    assert unit.words.startswith("1.3 N is 0.0011 times a bearing's share of all rotors' weight, ")
+    assert unit.words.endswith("N: usual is 0.2 to 5 times; was 1.3 kN meant, 1300 N?")
 
 
 def test_unknowns_of_a_table_are_counted() -> None:

@@ -22,7 +22,7 @@ FILM = (*BEARING, "film")
 FORM = (*BEARING, "speed_dependence")
 COUNTS = {"number", "bins", "samples_per_bin", "samples", "mountings"}
 """Fields that count something and have no unit."""
-OF_OTHER_UNITS = {"usual_change", "stated_at", "spread", "values", "covariance"}
+OF_OTHER_UNITS = {"usual_change", "stated_at", "values", "covariance"}
 """Fields whose unit is that of something else."""
 
 
@@ -59,7 +59,10 @@ def spoiled(path: tuple[str | int, ...], value: Any) -> dict[str, Any]:
         ((*FILM, "pads", "number"), 2, "2: should be greater than or equal to 3; usual is 4 or 5"),
         ((*FILM, "pads", "arc_deg"), 1.05, "was 1.05 rad meant, 60.2 °?"),
         ((*FILM, "pads", "pivot"), 60, "was 60 % meant, 0.6?"),
-        ((*FILM, "preload"), 1.5, "1.5: should be less than 1; usually 0.3 to 0.6 for lobed ones"),
+        ((*FILM, "preload"), 1.5, "1.5: should be less than 1; usually 0.3 to 0.6 for lobed ones, 0 to 0.5 for tilting pads"),
+        ((*FILM, "groove_deg"), 400, "400 °: should be less than 85 °; usual is 5 to 45 °"),
+        ((*FILM, "oil", "iso_vg"), 33, "was 32 meant?"),
+        ((*FILM, "oil", "iso_vg"), "VG 46", "was 46 meant?"),
         ((*FILM, "diameter"), 100, "100 m: should be less than 100 m; usual is 0.02 to 1 m; was 100 mm meant, 0.1 m?"),
         ((*BEARING, "kxx"), -1e8, "-1e+08 N/m: should be greater than 0; usual is 1e+5 to 1e+10 N/m"),
         (("shafts", 0, "sections", 0, "length"), 300, "was 300 mm meant, 0.3 m?"),
@@ -102,6 +105,13 @@ def test_a_length_far_beyond_the_usual_is_refused_where_the_document_enters(
     assert field.endswith(str(path[-1]))
     assert words in said
     assert parse_machine(document).id == DOCUMENT["id"]
+
+
+def test_a_grade_without_a_temperature_is_told_what_is_usual() -> None:
+    with pytest.raises(
+        DocumentError, match="temperature_c, of the film, usually 40 to 80 °C, or inlet_c, usually 35 to 50 °C"
+    ):
+        parse_machine(spoiled((*FILM, "oil"), {"iso_vg": 32}))
 
 
 def test_what_no_unit_makes_usual_is_asked_nothing() -> None:

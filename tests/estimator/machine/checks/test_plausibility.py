@@ -6,8 +6,10 @@ import pytest
 
 from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, parse_machine
+from formats.files.document_files import read_yaml
 from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.trains import chapter_3_document
+from tests.paths import EXAMPLES
 
 
 def gigapascals(document: dict[str, Any]) -> None:
@@ -22,6 +24,18 @@ def millimetres(document: dict[str, Any]) -> None:
     document["shafts"][0]["sections"][0]["outer_diameter"] = 20.0
 
 
+def grams_per_cubic_centimetre(document: dict[str, Any]) -> None:
+    document["materials"]["steel"]["density"] = 7.85
+
+
+def soft_coupling(document: dict[str, Any]) -> None:
+    document["couplings"][0]["kxx"] = 1.2
+
+
+def per_cent(document: dict[str, Any]) -> None:
+    document["parameters"] = [{"names": "bearing.B1.k*", "spread": 30}]
+
+
 def newtons_per_micrometre(document: dict[str, Any]) -> None:
     document["bearings"][1]["kxx"] = 90.0
 
@@ -32,6 +46,9 @@ def newtons_per_micrometre(document: dict[str, Any]) -> None:
         (gigapascals, "materials.steel.young_modulus", "210 N/m²: steel has 2.1e\\+11 N/m²; was 210 GPa meant"),
         (megapascals, "materials.steel.young_modulus", "206000 N/m²: steel has 2.1e\\+11 N/m²; was 206000 MPa meant"),
         (millimetres, "shafts\\[0\\].sections\\[0\\].outer_diameter", "20 m: usual is 0.01 to 2 m; was 20 mm meant"),
+        (grams_per_cubic_centimetre, "materials.steel.density", "7.85 kg/m³: steel has 7850 kg/m³; was 7.85 g/cm³ meant"),
+        (soft_coupling, "couplings\\[0\\].kxx", "1.2 N/m: usual is 1e\\+5 to 1e\\+10 N/m; was 1.2 N/µm meant, 1.2e\\+06 N/m"),
+        (per_cent, "parameters\\[0\\].spread", "30: usual is 0.01 to 1; was 30 % meant, 0.3"),
         (newtons_per_micrometre, "bearings\\[1\\].kxx", "90 N/m: usual is 1e\\+5 to 1e\\+10 N/m; was 90 N/µm meant"),
     ],
 )
@@ -56,6 +73,8 @@ def test_the_thesis_train_is_plausible() -> None:
         ({"elevation_y": 0.1}, "elevation_y", "0.1 m over the aligned place: usual is up to 0.0005 m; was 0.1 mm meant"),
         ({"elevation_x": -50.0}, "elevation_x", "-50 m over the aligned place: usual is up to 0.0005 m; was -50 µm meant"),
         ({"oil": {"viscosity": 9.0}}, "oil.viscosity", "9 Pa s: usual is 0.005 to 0.1 Pa s; was 9 mPa s"),
+        ({"oil": {"viscosity": 32.0}}, "oil.viscosity", "32 Pa s: usual is 0.005 to 0.1 Pa s; was 32 mPa s"),
+        ({"groove_deg": 30.0}, "groove_deg", "30 °: grooves go with profile two_axial_grooves or a lobed one, not with plain"),
     ],
 )
 def test_a_slip_of_the_unit_in_a_film_is_refused(change: dict[str, Any], field: str, words: str) -> None:
@@ -82,3 +101,34 @@ def test_a_pedestal_in_newtons_per_micrometre_is_refused() -> None:
     document["pedestals"] = [{"id": "P1", "bearing": "B1", **terms}]
     with pytest.raises(DocumentError, match=r"pedestals\[0\].kxx: 250 N/m: usual is 1e\+6 to 1e\+10 N/m; was 250 N/µm meant"):
         accepted_machine(document)
+
+
+def test_a_spread_of_many_times_an_unbalance_or_a_cross_term_is_taken() -> None:
+    document = chapter_3_document()
+    document["parameters"] = [{"names": "disc.D1.unbalance", "spread": 30}]
+    assert accepted_machine(document).parameters
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "words"),
+    [
+        (
+            {"kxx": [90.0] * 5},
+            "bearings[0].speed_dependence.kxx",
+            "90 N/m: usual is 1e+5 to 1e+9 N/m; was 90 N/µm meant, 9e+07",
+        ),
+        ({"speed_rpm": [10, 20, 30, 50, 75]}, "bearings[0].speed_dependence.speed_rpm", "was 75 Hz meant, 4500 r/min?"),
+    ],
+)
+def test_a_rule_for_what_follows_a_table_does_not_hide_the_unit_of_the_table(
+    change: dict[str, Any], field: str, words: str
+) -> None:
+    document = read_yaml(EXAMPLES / "motor-on-rolling-elements.yaml")
+    table = {"form": "table", "speed_rpm": [500, 1000, 2000, 3000, 5000], "kxx": [9e7] * 5} | change
+    document["bearings"][0]["speed_dependence"] = table
+    del document["bearings"][0]["kxx"]
+    with pytest.raises(DocumentError) as raised:
+        accepted_machine(document)
+    told = dict(raised.value.problems)
+    assert "follow a table" in told["parameters[0]"]
+    assert words in told[field]

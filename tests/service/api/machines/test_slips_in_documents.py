@@ -54,7 +54,7 @@ SLIPS: dict[str, tuple[Callable[[Document], Any], str, str]] = {
     "a grade without temperature": (
         film(oil={"iso_vg": 46}),
         "bearings[1].film.oil",
-        "iso_vg needs either temperature_c, of the film, or inlet_c [°C]",
+        "iso_vg needs either temperature_c, of the film, usually 40 to 80 °C, or inlet_c",
     ),
     "viscosity in mPa s": (
         film(oil={"viscosity": 9.0}),
