@@ -47,7 +47,7 @@ EVERYWHERE: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], Design]]
 }
 """Mistakes that a document makes alike at all bearings."""
 PEDESTAL_SPREAD = 0.2
-"""How far pedestals may be off [-]."""
+"""Part by which each number of a pedestal may be off, rms [-]."""
 FORCED = "half a disc's weight lifted by an exact force that is not there"
 SUPPORTS = ("rolling elements 30 % off, said to be within 15 %", "a table 30 % off, said to be within 15 %")
 """Mistakes of documents of mixed plants: of even seeds, with rolling elements beside films, and of odd ones, with tables."""

@@ -14,7 +14,7 @@ from estimator.errors import Invalid
 from estimator.films.pad import FULL_ARC, Pad
 from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_KNOWN, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
-from estimator.films.tilted_pads import Place, TiltedPads
+from estimator.films.tilted_pads import PositionIndex, TiltedPads
 
 
 class TableMaker(Protocol):
@@ -71,7 +71,7 @@ class FilmCoefficients:
         """Return -∂force/∂position (..., 2, 2) [μ ω R L (R/c)²/c, or N/m]."""
         return self.stiffness if self.pads is None else self.pads.static_stiffness
 
-    def one_of(self, place: Place) -> "FilmCoefficients":
+    def one_of(self, place: PositionIndex) -> "FilmCoefficients":
         """Return the film at one of several positions.
 
         Args:

@@ -11,7 +11,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 
-Place = int | tuple[int | slice, ...]
+PositionIndex = int | tuple[int | slice, ...]
 """Index of one of several positions, or of some."""
 
 
@@ -118,7 +118,7 @@ class TiltedPads:
         """
         return TiltedPads(self.axis * sign, self.stiffness, self.damping, self.weight, self.restoring)
 
-    def at(self, place: Place) -> "TiltedPads":
+    def at(self, place: PositionIndex) -> "TiltedPads":
         """Return the pads at one of several positions.
 
         Args:

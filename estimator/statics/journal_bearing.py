@@ -120,7 +120,14 @@ class JournalBearing:
         return np.array([float(self.direction), 1.0])
 
     def mirrored(self, position: Floats) -> Floats:
-        """Return positions (..., 2) [m], given in the machine's axes, in those of the film."""
+        """Return positions in the axes of the film.
+
+        Args:
+            position: Positions (..., 2) in the machine's axes; last axis: component x, y [m].
+
+        Returns:
+            The same (..., 2) as the film sees them [m].
+        """
         return np.asarray(np.asarray(position) * self.sign)
 
 

@@ -34,12 +34,12 @@ KINDS = {
     ("coupling", "stiffness"): "stiffnesses of couplings",
     ("coupling", "damping"): "dampings of couplings",
 }
-"""What is judged together, in words: whose it is, and the physical quantity."""
+"""Kinds of parameters that are judged together, in words, by whose they are and their physical quantity."""
 ASKED = {
     "radial clearances": "are the clearances radial ones, and is the bearings' geometry right?",
     "viscosities": "are the oil, its temperature and the bearings' geometry right?",
 }
-"""What may be wrong."""
+"""Questions to a kind that contradicts its document."""
 
 
 class _Conflict(Struct, frozen=True, eq=False):
