@@ -14,10 +14,12 @@ class FormDefaults:
         own_parameters: Kinds of parameters that its models have beside coefficients: none.
         whole_train: The one model of the coefficients of all bearings of a train together, beside which the form makes none of
             one element alone: none.
+        load_field: Field with the static load for which its coefficients are [N]: none.
     """
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = ()
     whole_train: ClassVar[WholeTrain | None] = None
+    load_field: ClassVar[str | None] = None
 
     def nominal(self, term: str, rpm: float) -> float | None:  # noqa: ARG002
         """Return None: the element's own nominal values hold, at every speed.

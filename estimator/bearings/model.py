@@ -236,6 +236,7 @@ class BearingForm(Protocol):
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]]
     whole_train: ClassVar[WholeTrain | None]
+    load_field: ClassVar[str | None]
 
     @property
     def form(self) -> str:

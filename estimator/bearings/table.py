@@ -160,6 +160,14 @@ class TableModel(NeverLevel, Struct, frozen=True, dict=True):
         return power
 
 
+TABLE_FACTORS = tuple(
+    OwnParameter(scale_name(term.name), "scale factor", UNITS["scale factor"], positive=True, term=term.name)
+    for term in LATERAL
+    if term.direct
+)
+"""Factors on the direct terms of a table, which a fit may find."""
+
+
 class Table(FormDefaults, TableColumns):
     """Dependence of an element's coefficients on the speed: a table, as from its maker's calculation.
 
@@ -168,11 +176,8 @@ class Table(FormDefaults, TableColumns):
     Commands that read the document from a file take `csv: FILE` in place of the columns.
     """
 
-    own_parameters: ClassVar[tuple[OwnParameter, ...]] = tuple(
-        OwnParameter(scale_name(term.name), "scale factor", UNITS["scale factor"], positive=True, term=term.name)
-        for term in LATERAL
-        if term.direct
-    )
+    own_parameters: ClassVar[tuple[OwnParameter, ...]] = TABLE_FACTORS
+    load_field: ClassVar[str | None] = "load"
 
     form: Literal["table"] = Field(description="coefficients over speed, as its maker states them")
     speed_rpm: Speeds = Field(description="ascending, at least five [r/min]")

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 
-from estimator.bearings.table import Table
 from estimator.machine.checks.rotor_masses import train_weight
 from estimator.machine.document import Machine
 from estimator.machine.films import StaticLoad
@@ -62,12 +61,12 @@ def _odd_table_loads(machine: Machine, weight: float) -> Iterator[tuple[str, str
     share = weight / len(machine.bearings)
     for number, bearing in enumerate(machine.bearings):
         form = bearing.speed_dependence
-        if not isinstance(form, Table) or form.load is None:
-            continue
-        if not WEAKEST_FORCE * weight <= form.load <= STRONGEST_FORCE * weight:
-            words = f"{form.load:g} N is {form.load / share:.2g} times a bearing's share of all rotors' weight, {share:.3g} N"
-            meant = question(form.load, "N", (0.1 * share, USUAL_FORCE[1] * share))
-            yield f"bearings[{number}].speed_dependence.load", f"{words}: usual is 0.2 to 5 times{meant}"
+        field = None if form is None else form.load_field
+        load = None if field is None else getattr(form, field)
+        if load is not None and not WEAKEST_FORCE * weight <= load <= STRONGEST_FORCE * weight:
+            words = f"{load:g} N is {load / share:.2g} times a bearing's share of all rotors' weight, {share:.3g} N"
+            meant = question(load, "N", (0.1 * share, USUAL_FORCE[1] * share))
+            yield f"bearings[{number}].speed_dependence.{field}", f"{words}: usual is 0.2 to 5 times{meant}"
 
 
 def _signed_question(force: float, usual: tuple[float, float]) -> str:
