@@ -231,10 +231,11 @@ class _Trial(Struct, frozen=True):
         except NO_FIT:
             return []
         good = self._better(tried)
-        if good or refused is None:
+        if refused is None or any(one.only is None for one, _ in good):
             return good
-        # A factor on all amplitudes goes with much that is wrong: it is the reason only where nothing else is.
-        return self._better([(_Hypothesis(one), as_sent) for one in self._amplitudes(refused, whole)])
+        # A factor on all amplitudes goes with much that is wrong: it is the reason only where no other of all runs is.
+        of_all = self._better([(_Hypothesis(one), as_sent) for one in self._amplitudes(refused, whole)])
+        return [*of_all, *good]
 
     def _of_any_run(self, measurement: Measurement) -> list[WrongConvention]:
         """Return the hypotheses on samples of any run or runs: of swapped probes the likeliest, and none on amplitudes."""
