@@ -43,10 +43,18 @@ ASKED = {
 
 
 class _Conflict(Struct, frozen=True, eq=False):
-    """Parameters of one kind that are further from their prior than chance explains: their places, and the comparison."""
+    """Parameters of one kind that are further from their prior than chance explains.
+
+    Attributes:
+        kind: The kind, in words.
+        places: Their coordinates (k,).
+        away: How far each (k,) is from its prior's centre, in the prior's standard deviations [-].
+        check: The comparison.
+    """
 
     kind: str
     places: NDArray[np.intp]
+    away: Floats
     check: PriorCheck
 
 
@@ -79,7 +87,7 @@ def _conflicts(coordinates: Coordinates, theta: Floats, covariance: Floats) -> l
         check, count = prior_check(away, left), len(places)
         in_common = prior_check(away.sum(keepdims=True) / np.sqrt(count), left.sum(keepdims=True) / count)
         if min(check.chance, in_common.chance) < UNLIKELY:
-            found.append(_Conflict(kind, places, check))
+            found.append(_Conflict(kind, places, away, check))
     return found
 
 
@@ -99,10 +107,9 @@ def _kinds(coordinates: Coordinates) -> dict[str, NDArray[np.intp]]:
 
 def _words(one: _Conflict, coordinates: Coordinates, theta: Floats) -> str:
     """Describe a conflict by the parameter that is furthest from what the document says."""
-    away = (theta[one.places] - coordinates.centre[one.places]) / coordinates.spread[one.places]
-    worst = int(np.argmax(np.abs(away)))
+    worst = int(np.argmax(np.abs(one.away)))
     place = one.places[worst]
-    size = f"{abs(away[worst]):.1f} times as far as it may be off"
+    size = f"{abs(one.away[worst]):.1f} times as far as it may be off"
     if describe(coordinates.names[place]).positive:
         size = f"{np.exp(theta[place] - coordinates.centre[place]):.2g} times what it says, {size}"
     words = f"{one.kind} contradict the document, {coordinates.names[place]} most ({size}): intervals are widened"
