@@ -12,11 +12,13 @@ class TakenJob:
     """A job that was taken to be computed.
 
     automatic: see `storage.findings.job_order`. reopened: how often each of its runs had been rebuilt when it was taken.
+    holder: this replica's number when it was taken; None when it is the only one.
     """
 
     job_id: int
     automatic: bool
     reopened: tuple[int, ...]
+    holder: int | None
 
 
 JobFuture = Future[IdentificationOutcome] | Future[CalibrationOutcome]

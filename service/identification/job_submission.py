@@ -90,16 +90,17 @@ class JobSubmission:
         A job whose result was stored, but not assessed, by a process that has ended is only assessed.
         """
         taken = []
+        holder = self._held.holder
         with self._database.transaction() as session:
             overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
-            for row in jobs.claim_next(session, count, holder=self._held.holder, behind=behind, overdue=overdue):
+            for row in jobs.claim_next(session, count, holder=holder, behind=behind, overdue=overdue):
                 automatic = row.priority == AUTOMATIC
                 self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
                 stored = identifications.of_job(session, row.id)
                 if stored is None:
                     if row.scope != jobs.CALIBRATION:  # which subtracts none
                         job_options.slow_roll_version(session, row)
-                    taken.append(TakenJob(row.id, automatic, reopened(session, row)))
+                    taken.append(TakenJob(row.id, automatic, reopened(session, row), holder))
                 else:
                     self._assessments.add(DueAssessment(row.id, stored, row.machine_id))
         return taken

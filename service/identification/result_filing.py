@@ -68,6 +68,13 @@ class ResultFiling:
                 raise
 
     def _file(self, future: JobFuture, taken: TakenJob) -> None:
+        if taken.holder != self._held.holder:
+            # Others believed this replica dead and put its jobs back: whoever took this one since computes it, perhaps this
+            # process under its new number.
+            logger.warning(
+                "job %d was put back while this replica was thought dead: its earlier result is left out", taken.job_id
+            )
+            return
         try:
             outcome: IdentificationOutcome | CalibrationOutcome = future.result()
         except Exception as error:  # noqa: BLE001 - whatever a fit raises is recorded with its job

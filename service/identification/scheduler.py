@@ -122,5 +122,5 @@ class JobScheduler(SupervisedThread):
 
     def _put_back_lost(self) -> None:
         """Put back own jobs that are unknown here: the database's answer was lost when they were taken."""
-        computing = {taken.job_id for taken in self._computing.values()}
+        computing = {taken.job_id for taken in self._computing.values() if taken.holder == self._held.holder}
         self._held.requeue_lost(computing | self._assessments.job_ids)

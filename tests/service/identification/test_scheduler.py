@@ -14,10 +14,13 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 
 from estimator.machine.document import Machine
 from estimator.machine.rules import Condition, Operation
+from service.configuration.settings import Settings
 from service.identification import job_options
 from service.identification.result_filing import ResultFiling
+from service.identification.scheduler import JobScheduler
 from service.identification.task import IdentificationOutcome, IdentificationTask
 from service.identification.task_builder import task
+from service.replication.lease_keeper import LeaseKeeper, _release_dead
 from service.workers.executors import LocalExecutor
 from storage.database.engine import Database
 from storage.findings import derived, identifications, jobs
@@ -311,6 +314,38 @@ def test_jobs_that_were_taken_when_the_database_went_away_are_taken_again(
         close_run(database, train, seed=number, start_s=1_700_000_000 + 10_000 * number)
     with identifying(database, executor):
         wait_until(lambda: counts(database) == {"done": 3}, seconds=60.0)
+
+
+def test_a_replica_thought_dead_stores_no_job_twice(
+    database: Database, train: Machine, executor: LocalExecutor, caplog: pytest.LogCaptureFixture
+) -> None:
+    """It takes its own job again under its new number, while the earlier computation still goes on."""
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    replica = LeaseKeeper(database, "all")
+    replica.run_once()
+    work = JobScheduler(database, Settings(workers=2), replica, executor=executor)
+    work.run_once()
+    assert counts(database) == {"running": 1}
+    with database.transaction() as session:
+        frozen = replica.holder
+        assert frozen is not None
+        _release_dead(session, frozen)
+    assert counts(database) == {"queued": 1}
+    replica.run_once()
+    assert replica.holder != frozen
+
+    def settled() -> bool:
+        work.run_once()
+        return set(counts(database)) <= {"done", "failed"}
+
+    wait_until(settled, seconds=60.0)
+    work.stop()
+    assert counts(database) == {"done": 1}
+    assert "its earlier result is left out" in caplog.text
+    with database.reading() as session:
+        assert len(identifications.of_machine(session, train.id)) == 1
 
 
 CONFUSED = ZeroDivisionError("a fault of ours")
