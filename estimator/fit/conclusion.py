@@ -72,8 +72,9 @@ def conclude(
     why = None if reasons is None else reasons(problem, found, covariance)
     if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
+    told = np.diag(covariance) if of_form.standing_in is None else np.diag(covariance) + of_form.standing_in
     return Identification(
-        estimates=estimates(problem.train, coordinates, found.theta, np.sqrt(np.diag(covariance)), why, doubtful),
+        estimates=estimates(problem.train, coordinates, found.theta, np.sqrt(told), why, doubtful),
         coordinates=coordinates.names,
         covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
         point=coordinates.point(found.theta),
@@ -124,14 +125,15 @@ def _form_verdict(
     far = bool(of_tables.remark)
     of_cross_terms = judge_table_cross_terms(problem, found, covariance, far=far, inflation=inflation)
     of_sharpness = judge_sharp_deviations(problem, found, covariance, inflation=inflation)
-    judged = [of_forces, of_sharpness, of_tables, of_cross_terms, judge_priors(problem, found, covariance)]
+    of_priors = judge_priors(problem, found, covariance)
+    judged = [of_forces, of_sharpness, of_tables, of_cross_terms, of_priors]
     if needs_form(problem):
         of_form = judge_form(problem, found, covariance, condition)
         judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))
     for one in judged:
         # Each is what one deviation alone leaves open.
         whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
-    return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting)
+    return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting, of_priors.standing_in)
 
 
 def _left_to_form(coordinates: Coordinates, without: Floats, of_form: FormVerdict) -> frozenset[int]:

@@ -42,6 +42,8 @@ class FormVerdict(Struct, frozen=True, eq=False):
         remark: What is said of forms that are accepted, behind the verdict; empty where nothing is.
         forces: Static loads called exact for which the covariance has grown, their answers in fit coordinates.
         resting: What is said of those that nothing has checked, whatever the verdict.
+        standing_in: Variance (n,) of each told value beside the covariance, as it may stand for what the document says wrongly
+            [-]; None where none does.
     """
 
     covariance: Floats
@@ -49,6 +51,7 @@ class FormVerdict(Struct, frozen=True, eq=False):
     remark: str = ""
     forces: tuple[DoubtedForce, ...] = ()
     resting: str = ""
+    standing_in: Floats | None = None
 
     def applied(self, verdict: Verdict) -> Verdict:
         """Return a verdict on a fit with this verdict on its form added.

@@ -8,6 +8,10 @@ they have in common, as one wrong oil has. Where chance hardly explains how far 
 covariance grows by what a prior off by as much does to the estimates: in fit coordinates C P^½ times how far it is off, with C
 the fit's covariance and P the prior's precision. Only directions count of which the data say something. Elevations are left
 out: they move.
+
+A viscosity that contradicts its document is either the oil's, or stands for a length that is written wrongly: a short film
+carries by viscosity times length cubed (Ocvirk, NACA TN 2808, 1952). Data cannot tell these two, so each has half the
+probability, and the value that is told has the variance of both together beside its own. What the film does is the same.
 """
 
 import numpy as np
@@ -40,6 +44,8 @@ ASKED = {
     "viscosities": "are the oil, its temperature and the bearings' geometry right?",
 }
 """Questions to a kind that contradicts its document."""
+STANDING_IN = "viscosities"
+"""The kind that may stand for geometry which the document gives wrongly."""
 
 
 class _Conflict(Struct, frozen=True, eq=False):
@@ -70,12 +76,15 @@ def judge_priors(problem: FitProblem, found: FitResult, covariance: Floats) -> F
         The verdict, with the covariance as it is where there is no conflict, or no films.
     """
     coordinates = problem.coordinates
-    whole, remark = covariance, ""
+    whole, remark, standing_in = covariance, "", None
     for one in _conflicts(coordinates, found.theta, covariance):
         answer = covariance[:, one.places] / coordinates.spread[one.places] @ one.check.directions
         whole = whole + one.check.misplaced**2 * answer @ answer.T
         remark += f"; {_words(one, coordinates, found.theta)}"
-    return FormVerdict(whole, remark=remark)
+        if one.kind == STANDING_IN:
+            standing_in = np.zeros(len(found.theta))
+            standing_in[one.places] = 0.5 * (one.away * coordinates.spread[one.places]) ** 2
+    return FormVerdict(whole, remark=remark, standing_in=standing_in)
 
 
 def _conflicts(coordinates: Coordinates, theta: Floats, covariance: Floats) -> list[_Conflict]:

@@ -63,3 +63,23 @@ def test_a_right_document_is_not_told_to_be_contradicted(pedestals: bool) -> Non
     found = [judged(lambda said: said, seed, pedestals=pedestals) for seed in range(7120, 7122)]
     assert not any(WORDS in verdict for verdict, _ in found)
     assert np.mean([one for _, inside in found for one in inside]) >= 0.9
+
+
+def test_a_viscosity_that_may_stand_for_a_wrong_length_is_told_as_uncertain_as_that() -> None:
+    plant = random_plant(7121, design=Design(), discrepancy=DiscrepancySize())
+    said = film_document(plant)
+    found = identify(parse_machine(shorter_bearings(said)), measured(plant, seed=7121), OPTIONS)
+    assert found.accepted, found.verdict
+    assert "viscosities contradict the document" in found.verdict
+    documented = {f"bearing.{one['id']}.viscosity": one["film"]["oil"]["viscosity"] for one in said["bearings"]}
+    for name, value in documented.items():
+        told = found.estimate(name)
+        if told.value is None:
+            assert "uncertain by" in (told.reason or "")
+            continue
+        assert told.standard_error is not None
+        assert told.standard_error / told.value >= abs(np.log(told.value / value)) / np.sqrt(2.0)
+        place = found.coordinates.index(name)
+        assert (
+            np.sqrt(found.covariance[place, place]) < told.standard_error / told.value
+        )  # changes from run to run are known better
