@@ -14,12 +14,14 @@ from estimator.units import rpm_to_rad_per_s
 from formats.wire import Key, encode_batch
 from rotorundown.identification import identify
 from rotorundown.runs import read_run
+from service.monitoring.context_loading import load_context
 from service.runs.collector import Collector
 from service.workers.executors import LocalExecutor
 from service.write_path.batch import ArrivedBatch
 from service.write_path.sample_writer import SampleWriter
 from storage.clock import now
 from storage.database.engine import Database
+from storage.findings import identifications
 from storage.machines import machines
 from storage.measurements import runs
 from tests.api_in_process import Api
@@ -119,6 +121,12 @@ def test_the_service_finds_of_dwells_what_the_library_does_and_nothing_follows(
     path = f"/machines/{train.id}"
     assert api("GET", f"{path}/trends", params={"parameter": "bearing.B1.kxx"})["series"][0]["value"] == []
     assert api("GET", f"{path}/alerts") == []
+    with database.reading() as session:
+        stored = identifications.get(session, listed["id"])
+        assert load_context(session, stored, baseline_runs=1) is None, "nothing is assessed"
+    quality = api("GET", f"/runs/{run['id']}/quality")
+    assert quality["judged"]
+    assert quality["findings"] == list(result.qualities[0].findings) == []
     assert len(api("GET", f"/identifications/{listed['id']}/bode", params={"run": run["id"]})["measured"][0]["time"]) == COUNT
 
 
