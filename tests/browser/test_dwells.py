@@ -1,4 +1,4 @@
-"""A run of dwells in a real browser: made of a time, shown, identified, its curve and its parameters; not by viewers."""
+"""A run of dwells in a real browser: made of a time, shown, identified, balanced with; not by viewers."""
 
 import re
 from datetime import datetime, timedelta
@@ -50,6 +50,10 @@ def test_a_run_is_made_of_dwells_and_identified(seen: Seen, service: Service) ->
     seen.open(f"machines/{MACHINE}/identified?identification={found['id']}")
     chosen = seen.page.locator(".choices select").first.locator("option:checked")
     expect(chosen).to_have_text(re.compile(rf"{found['id']} dwells, .*, variant$"))
+    seen.open(f"machines/{MACHINE}/balancing")
+    seen.page.get_by_text("Show balancing all the same").click()
+    seen.page.get_by_role("button", name="Begin …").click()
+    dialog.get_by_label("Run without trial weights").select_option(str(made["id"]))
     assert [one for one in seen.errors if "422" not in one] == []
 
 
