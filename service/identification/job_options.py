@@ -14,7 +14,6 @@ from sqlalchemy.orm import Session
 from estimator.errors import Conflict
 from estimator.fit.identification import Options
 from estimator.machine.rules import QualityRules
-from estimator.runs.dwells import DWELLS
 from service.identification.job_quota import LONGEST_IDENTITY, JobQuota
 from storage.findings import jobs
 from storage.findings.job_order import ASKED
@@ -64,7 +63,7 @@ def request_identification(session: Session, run_id: int, request: Request, requ
     of dwells always does. Raises RunUnknown, NotIdentifiable, SlowRollUnknown, QuotaExceeded.
     """
     run = runs.get(session, run_id)
-    if run.state != runs.CLOSED and run.kind != DWELLS:
+    if run.state != runs.CLOSED and not runs.is_dwells(run):
         raise NotIdentifiable(f"run {run_id} is {run.state}; only closed runs are identified")
     if run.released_at is not None:
         raise NotIdentifiable(f"run {run_id} no longer has its samples, as the retention of runs says")
@@ -74,7 +73,7 @@ def request_identification(session: Session, run_id: int, request: Request, requ
     rules = machines.document(session, run.machine_id, run.revision).quality
     fit |= {name: value for name in RULES if (value := getattr(request, name)) is not None and value != getattr(rules, name)}
     in_force = machines.get(session, run.machine_id).slow_roll_version
-    scope = jobs.VARIANT if fit or version != in_force or run.kind == DWELLS else jobs.RUN
+    scope = jobs.VARIANT if fit or version != in_force or runs.is_dwells(run) else jobs.RUN
     options: dict[str, Any] = {**fit, _VERSION: version}
 
     def repeated(again: int) -> dict[str, Any]:

@@ -11,7 +11,6 @@ from sqlalchemy.exc import DataError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.fit.identification import Options
-from estimator.runs.dwells import DWELLS
 from service.identification.calibration_jobs import file_calibration
 from service.identification.calibration_task import CalibrationOutcome
 from service.identification.computing_jobs import ComputingJobs, JobFuture, TakenJob
@@ -133,7 +132,7 @@ class ResultFiling:
                 file_calibration(session, row, outcome)
                 return
             # Of dwells there are variants only: the newest one's quality is theirs.
-            if row.scope == jobs.RUN or runs.get(session, row.run_ids[0]).kind == DWELLS:
+            if row.scope == jobs.RUN or runs.is_dwells(runs.get(session, row.run_ids[0])):
                 runs.store_quality(session, row.run_ids[0], outcome.qualities[0])
                 runs.store_crossed_speeds(session, row.run_ids[0], outcome.crossed[0])
             if outcome.identification is None:

@@ -7,7 +7,6 @@ from sqlalchemy.orm import Session
 
 from estimator.fit.identification import Options
 from estimator.machine.document import parse_machine
-from estimator.runs.dwells import DWELLS
 from rotorundown.environment.release import VERSION
 from service.identification import job_options
 from service.identification.task import IdentificationTask
@@ -48,7 +47,7 @@ def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -
         earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
         slow_roll=vectors,
         beginning=_beginning(session, row, revision, version),
-        steady=first.kind == DWELLS,
+        steady=runs.is_dwells(first),
     )
 
 

@@ -10,11 +10,13 @@ from tests.browser.shown_service import MACHINE, ZONE
 from tests.end_to_end.processes import Service
 
 NO_CURVE = "This run has no accepted identification"
+LAST_OF_A_MINUTE = 59.999999
+"""Seconds after which a time is written as the next whole minute, unless it is one."""
 
 
-def _minute(moment: str, *, later: int = 0) -> str:
-    """A time of the API as people write it there, some minutes later."""
-    return f"{datetime.fromisoformat(moment).astimezone(ZONE) + timedelta(minutes=later):%Y-%m-%d %H:%M}"
+def _minute(moment: str, *, later_s: float = 0.0) -> str:
+    """A time of the API as people write it there, and later by some seconds."""
+    return f"{datetime.fromisoformat(moment).astimezone(ZONE) + timedelta(seconds=later_s):%Y-%m-%d %H:%M}"
 
 
 def test_a_run_is_made_of_dwells_and_identified(seen: Seen, service: Service) -> None:
@@ -24,8 +26,8 @@ def test_a_run_is_made_of_dwells_and_identified(seen: Seen, service: Service) ->
     seen.page.get_by_role("button", name="Run of dwells …").click()
     dialog = seen.page.get_by_role("dialog")
     first, last = dialog.get_by_label("First time"), dialog.get_by_label("Last time")
-    expect(last).to_have_value(_minute(newest, later=1))
-    expect(first).to_have_value(_minute(newest, later=-59))
+    expect(last).to_have_value(_minute(newest, later_s=LAST_OF_A_MINUTE))
+    expect(first).to_have_value(_minute(newest, later_s=LAST_OF_A_MINUTE - 3600))
     dialog.get_by_label("Your name").fill("anna")
     make = dialog.get_by_role("button", name="Make", exact=True)
     first.fill("2001-01-01 10:00")
@@ -33,7 +35,7 @@ def test_a_run_is_made_of_dwells_and_identified(seen: Seen, service: Service) ->
     make.click()
     expect(dialog.get_by_role("alert")).to_contain_text("has no samples in that time within its speed range")
     first.fill(_minute(swept["started_at"]))
-    last.fill(_minute(swept["ended_at"], later=1))
+    last.fill(_minute(swept["ended_at"], later_s=LAST_OF_A_MINUTE))
     make.click()
     expect(dialog).to_have_count(0)
     made = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "dwells")
