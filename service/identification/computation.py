@@ -98,6 +98,8 @@ class _JudgedRun:
 
 def _judged(machine: Machine, samples: Samples, task: IdentificationTask) -> _JudgedRun:
     run, measurement = samples.recorded(machine.channels), samples.measurement()
+    if task.steady:
+        run = replace(run, time=None)
     described, without = machine, measurement
     if task.slow_roll is not None:
         described, without = corrected(machine, measurement, task.slow_roll)

@@ -57,13 +57,13 @@ class Requester:
 
 
 def request_identification(session: Session, run_id: int, request: Request, requester: Requester) -> JobRow:
-    """Queue an identification of a closed run; return the job that is already waiting or running for the same request, if any.
+    """Queue an identification of a closed run, or of dwells; return the job that is already waiting for the same, if any.
 
-    With the usual options the result replaces the earlier one in trends and baselines, otherwise it stands beside them. Raises
-    RunUnknown, NotIdentifiable, SlowRollUnknown, QuotaExceeded.
+    With the usual options the result replaces the earlier one in trends and baselines, otherwise it stands beside them; that
+    of dwells always does. Raises RunUnknown, NotIdentifiable, SlowRollUnknown, QuotaExceeded.
     """
     run = runs.get(session, run_id)
-    if run.state != runs.CLOSED:
+    if run.state != runs.CLOSED and not runs.is_dwells(run):
         raise NotIdentifiable(f"run {run_id} is {run.state}; only closed runs are identified")
     if run.released_at is not None:
         raise NotIdentifiable(f"run {run_id} no longer has its samples, as the retention of runs says")
@@ -73,7 +73,7 @@ def request_identification(session: Session, run_id: int, request: Request, requ
     rules = machines.document(session, run.machine_id, run.revision).quality
     fit |= {name: value for name in RULES if (value := getattr(request, name)) is not None and value != getattr(rules, name)}
     in_force = machines.get(session, run.machine_id).slow_roll_version
-    scope = jobs.VARIANT if fit or version != in_force else jobs.RUN
+    scope = jobs.VARIANT if fit or version != in_force or runs.is_dwells(run) else jobs.RUN
     options: dict[str, Any] = {**fit, _VERSION: version}
 
     def repeated(again: int) -> dict[str, Any]:

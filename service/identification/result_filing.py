@@ -131,7 +131,8 @@ class ResultFiling:
             if isinstance(outcome, CalibrationOutcome):
                 file_calibration(session, row, outcome)
                 return
-            if row.scope == jobs.RUN:
+            # Of dwells there are variants only: the newest one's quality is theirs.
+            if row.scope == jobs.RUN or runs.is_dwells(runs.get(session, row.run_ids[0])):
                 runs.store_quality(session, row.run_ids[0], outcome.qualities[0])
                 runs.store_crossed_speeds(session, row.run_ids[0], outcome.crossed[0])
             if outcome.identification is None:

@@ -20,6 +20,7 @@ class IdentificationTask:
 
     rules: which samples may be left out. earlier: name and block of a run that a single run is compared with. slow_roll:
     vectors that are subtracted before the fit. beginning: id and `point` of a comparable earlier identification to start from.
+    steady: the samples are dwells at constant speed, through which no sweep has gone whatever their times say.
     """
 
     document: dict[str, Any]
@@ -30,6 +31,7 @@ class IdentificationTask:
     earlier: tuple[str, bytes] | None = None
     slow_roll: SlowRoll | None = None
     beginning: tuple[int, bytes] | None = None
+    steady: bool = False
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,8 @@ def reopened(session: Session, row: JobRow) -> tuple[int, ...]:
 
 def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -> IdentificationTask:
     """Build the task of a job whose slow-roll version is stored. Raises the errors of reading its data."""
-    revision = runs.get(session, row.run_ids[0]).revision
+    first = runs.get(session, row.run_ids[0])
+    revision = first.revision
     blocks = [encode(held) for run_id in row.run_ids if (held := runs.samples(session, run_id)) is not None]
     document = machines.revision(session, row.machine_id, revision).document
     version = job_options.slow_roll_version(session, row)
@@ -46,6 +47,7 @@ def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -
         earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
         slow_roll=vectors,
         beginning=_beginning(session, row, revision, version),
+        steady=runs.is_dwells(first),
     )
 
 

@@ -1,6 +1,6 @@
 """Runs of dwells at constant speed, which somebody names by their time: no sweep is there, that would begin and end by itself.
 
-They are for calibrations and balancings, and are not identified by themselves.
+They are for calibrations and balancings, and are identified on request only, beside trends and baselines.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from storage.tables.measurements import RunRow
 
 LARGEST_COUNT = 200
 """Number of samples to which the dwells of a longer run are thinned: a fit takes all of them, and more say little."""
-REASON = "not identified: dwells at constant speed are for calibrations and balancings"
+REASON = "identified on request only: dwells at constant speed are for calibrations and balancings"
 
 
 class NoDwells(Invalid):

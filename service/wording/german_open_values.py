@@ -40,6 +40,10 @@ OPEN_VALUES: Mapping[str, str] = {
         "der Referenzzustand wurde mit anderen Unbekannten identifiziert: seine Läufe erneut identifizieren"
     ),
     # --- ends of runs
+    "made by {by}": "angelegt von {by}",
+    "identified on request only: dwells at constant speed are for calibrations and balancings": (
+        "nur auf Anforderung identifiziert: Haltedrehzahlen sind für Kalibrierungen und zum Auswuchten da"
+    ),
     "it came late": "er kam verspätet",
     "not identified: {samples} samples, {fewest} are needed": "nicht identifiziert: {samples} Messwerte, {fewest} sind nötig",
     "not identified: it covers {part} % of the speed range, {least} % are needed": (

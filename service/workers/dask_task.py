@@ -13,7 +13,7 @@ from rotorundown.environment.release import VERSION
 from service.workers.process_pool import ProcessPool
 from service.workers.worker_process import failed
 
-TASK_FORM = 7
+TASK_FORM = 8
 """Version of the tasks and their results within a release, including their modules' names: they travel pickled."""
 RELEASE = f"{VERSION}, tasks of form {TASK_FORM}"
 """Release of the code that creates and unpickles tasks."""

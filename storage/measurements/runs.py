@@ -179,6 +179,11 @@ def get(session: Session, run_id: int) -> RunRow:
     return row
 
 
+def is_dwells(row: RunRow) -> bool:
+    """Return whether a run is of dwells at constant speed, through which no sweep goes."""
+    return row.kind == DWELLS
+
+
 def samples(session: Session, run_id: int) -> Samples | None:
     """Return the samples of a closed run; None while it is open. Raises RunUnknown, SamplesReleased, DamagedBlock."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.data)])

@@ -18,6 +18,11 @@ export interface RunSelection {
   failure: string | undefined;
 }
 
+/** Whether somebody made the run of dwells: it is discarded as a sweep, and shown all the same. */
+export function isDwells(run: Run): boolean {
+  return run.kind === "dwells";
+}
+
 /** The newest runs, and older ones that the address names; the one selected, and its reference. */
 export function useRunSelection(machine: string): RunSelection {
   const { query } = useStore(route);
@@ -25,7 +30,7 @@ export function useRunSelection(machine: string): RunSelection {
   const older = [useOlderRun(list.data, query.get("run")), useOlderRun(list.data, query.get("reference"))];
   const isPending = older.some((one) => one.isPending);
   const found = older.map((one) => one.data).filter((one) => one?.machine === machine) as Run[];
-  const all = isPending ? undefined : list.data && [...list.data.filter((one) => one.state !== "discarded" && one.samples !== 0), ...found];
+  const all = isPending ? undefined : list.data && [...list.data.filter((one) => (one.state !== "discarded" || isDwells(one)) && one.samples !== 0), ...found];
   const named = (name: string) => all?.find((one) => String(one.id) === query.get(name));
   // A run that is named but not there is not replaced by another one without a word.
   const run = query.get("run") ? named("run") : all?.find((one) => one.state === "closed");

@@ -1,5 +1,5 @@
 // The user who is logged in; nobody where the service asks for no login.
-import { Store } from "../browser/store";
+import { Store, useStore } from "../browser/store";
 import { chosenLocale } from "../messages/locale";
 
 export interface CurrentUser {
@@ -11,12 +11,21 @@ export interface CurrentUser {
   token: string | null;
 }
 
+/** Roles in ascending order; each includes the rights of those before it. */
+const ROLES = ["source", "viewer", "analyst", "operator", "admin"];
+
 const LOGIN = "/login";
 const RETURN_TO = "rundown.after-login";
 
 let leaving = false;
 
 export const currentUser = new Store<CurrentUser | null>(null);
+
+/** Whether the user has a role, or one above it; false while that is not known. */
+export function useMay(role: "analyst"): boolean {
+  const user = useStore(currentUser);
+  return user !== null && ROLES.indexOf(user.role) >= ROLES.indexOf(role);
+}
 
 /** Remember the address, and go to the login page. */
 export function redirectToLogin(): void {

@@ -159,6 +159,8 @@ export const STORED_SENTENCES: Readonly<Record<string, Readonly<Record<string, s
     "only the form over speed that the document assumes determines it, and no data show whether that is true": "nur die Form über der Drehzahl, die das Dokument annimmt, bestimmt es, und keine Daten zeigen, ob sie stimmt",
     "the data say hardly more of it than what is believed beforehand: ± {size} {unit}": "die Daten sagen kaum mehr darüber, als vorher angenommen wird: ± {size} {unit}",
     "the baseline was identified with other unknowns: identify its runs again": "der Referenzzustand wurde mit anderen Unbekannten identifiziert: seine Läufe erneut identifizieren",
+    "made by {by}": "angelegt von {by}",
+    "identified on request only: dwells at constant speed are for calibrations and balancings": "nur auf Anforderung identifiziert: Haltedrehzahlen sind für Kalibrierungen und zum Auswuchten da",
     "it came late": "er kam verspätet",
     "not identified: {samples} samples, {fewest} are needed": "nicht identifiziert: {samples} Messwerte, {fewest} sind nötig",
     "not identified: it covers {part} % of the speed range, {least} % are needed": "nicht identifiziert: er überstreicht {part} % des Drehzahlbereichs, {least} % sind nötig",

@@ -1,6 +1,7 @@
 // The steps of a field balancing: begin with an initial run, add a trial run, compute the correction, compare a check run.
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
+import { isDwells } from "../data/run-selection";
 import { when } from "../format/times";
 import { t, term } from "../messages/messages";
 import type { FieldBalancing, Weight } from "../schemas/balancings";
@@ -157,7 +158,7 @@ function ScaleFields() {
 
 function RunField({ machine, label }: { machine: string; label: string }) {
   const { data } = useResource<Run[]>(`/machines/${machine}/runs?limit=${RUNS}`);
-  const closed = data?.filter((one) => one.state === "closed" && one.samples !== 0) ?? [];
+  const closed = data?.filter((one) => (one.state === "closed" || isDwells(one)) && one.samples !== 0) ?? [];
   return (
     <label>
       {label}

@@ -68,5 +68,5 @@ function IdentificationSelect({ all, chosen, isListed }: { all: IdentificationSu
 }
 
 function scopeLabel(scope: string): string {
-  return scope === "gathered" ? t("pooled") : scope;
+  return scope === "gathered" ? t("pooled") : term(scope);
 }

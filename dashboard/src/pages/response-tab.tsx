@@ -7,6 +7,7 @@ import { RunSelect } from "../components/run-select";
 import { useResource } from "../data/resource";
 import { useRunSelection } from "../data/run-selection";
 import { t } from "../messages/messages";
+import { IdentifyDwellsButton } from "../panels/dwells-buttons";
 import type { Document } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { BesideAlert, ChannelButtons, useChosenChannels } from "./chosen-channels";
@@ -33,6 +34,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
       <Panel title={t("selection")}>
         <div class="choices">
           <RunSelect {...runs} />
+          <IdentifyDwellsButton run={run} />
           <OtherMachineSelect machine={machine} chosen={other} label={t("newestRunOf")} />
           <ChannelButtons machine={machine} chosen={chosen} />
           <OrderButtons order={order} />

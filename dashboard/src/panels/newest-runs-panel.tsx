@@ -9,11 +9,12 @@ import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
 import { stored, t, term } from "../messages/messages";
 import type { Run } from "../schemas/runs";
+import { IdentifyDwellsButton, MakeDwellsButton } from "./dwells-buttons";
 
 export function NewestRunsPanel({ machine }: { machine: string }) {
   const result = useResource<Run[]>(`/machines/${machine}/runs?limit=12`, 5000);
   return (
-    <Panel title={t("newestRuns")}>
+    <Panel title={t("newestRuns")} aside={<MakeDwellsButton machine={machine} />}>
       <Loaded result={result} lines={12}>
         {(runs) =>
           runs.length === 0 ? (
@@ -61,7 +62,9 @@ function RunRow({ machine, run }: { machine: string; run: Run }) {
       </td>
       <td class="number">{run.samples ?? "–"}</td>
       <td class="number">{run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}</td>
-      <td title={run.reason ? stored(run.reason) : undefined}>{term(run.state)}</td>
+      <td title={run.reason ? stored(run.reason) : undefined}>
+        {term(run.state)} <IdentifyDwellsButton run={run} />
+      </td>
     </tr>
   );
 }

@@ -58,11 +58,11 @@ def read_identification(
 def identify_run(
     request: Request, response: Response, run_id: Number, body: Annotated[schemas.IdentificationAsked, Body()]
 ) -> schemas.JobOut:
-    """Identify a closed run again; the answer is the job, and its Location is the address to follow its progress.
+    """Identify a closed run again, or a run of dwells; the answer is the job, and its Location is the address of its progress.
 
     With the usual options the new identification, once accepted, replaces earlier ones of this run in trends and baselines.
-    With others it is a variant beside them, which neither trends nor baselines use. Answers 429 while the quota of waiting
-    identifications is used up.
+    With others it is a variant beside them, which neither trends nor baselines use. That of a run of dwells is always one, and
+    takes its samples as measured at constant speed. Answers 429 while the quota of waiting identifications is used up.
     """
     with database(request).transaction() as session:
         row = job_options.request_identification(session, run_id, job_options.Request(**body.model_dump()), requester(request))

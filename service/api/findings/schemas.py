@@ -104,7 +104,7 @@ class JobOut(BaseModel):
 
 
 class IdentificationAsked(StrictModel):
-    """Options for identifying a run again; omitted ones keep their usual values."""
+    """Options for identifying a run, or one again; omitted ones keep their usual values."""
 
     slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(
         default="in_force", description="vectors to subtract: `none`, `in_force` or a version"

@@ -97,7 +97,7 @@ def make_run(request: Request, response: Response, machine_id: MachineId, body: 
     """Make a run of the dwells at constant speed in a time range, for calibrations (`steady`) and balancings.
 
     Sweeps become runs by themselves; a machine that was held at some speeds makes none. Samples taken while the speed changed
-    between dwells are left out. The run is kind `dwells`, and is not identified.
+    between dwells are left out. The run is kind `dwells`, and is identified on request only.
     """
     last = min(LAST_INSTANT, from_datetime(body.last) + MICROSECOND - 1)
     with database(request).reading() as session:

@@ -134,7 +134,8 @@ class Run(BaseModel):
     kind: str
     direction: str
     state: str = Field(
-        description="open, ended while its samples are gathered, closed, or discarded as not worth an identification"
+        description="open, ended while its samples are gathered, closed, or discarded as not worth an identification; runs of "
+        "dwells are discarded, too, since they are identified on request only"
     )
     reason: str | None = Field(description="why it ended, and why it was discarded")
     started_at: datetime

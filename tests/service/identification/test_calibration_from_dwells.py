@@ -115,7 +115,9 @@ def test_a_run_is_made_of_dwells_that_no_sweep_shows(database: Database, api: Ap
         api("POST", f"{path}/runs", 201, json={"from": time(first), "to": time(last), "by": "Ada"}) for first, last in spans
     ]
     assert [(one["kind"], one["samples"], one["state"]) for one in made] == [("dwells", DWELL_S, "discarded")] * 3
-    assert made[0]["reason"] == "made by Ada; not identified: dwells at constant speed are for calibrations and balancings"
+    assert made[0]["reason"] == (
+        "made by Ada; identified on request only: dwells at constant speed are for calibrations and balancings"
+    )
     assert [one["id"] for one in api("GET", f"{path}/runs")] == [one["id"] for one in made][::-1]
     asked = [
         {"run": one["id"], "weights": weights(rig, disc), "steady": True} for one, disc in zip(made, (None, 0, 1), strict=True)

@@ -9,7 +9,7 @@ from service.identification.worker_tasks import TASKS
 from service.workers.dask_task import TASK_FORM
 from tests.paths import PACKAGES
 
-FORM = 7
+FORM = 8
 HELD = """
 estimator.bearings.journal
 estimator.bearings.knots
