@@ -72,9 +72,8 @@ def conclude(
     why = None if reasons is None else reasons(problem, found, covariance)
     if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
-    told = np.diag(covariance) if of_form.standing_in is None else np.diag(covariance) + of_form.standing_in
     return Identification(
-        estimates=estimates(problem.train, coordinates, found.theta, np.sqrt(told), why, doubtful),
+        estimates=estimates(problem.train, coordinates, found.theta, of_form.told_errors(covariance), why, doubtful),
         coordinates=coordinates.names,
         covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
         point=coordinates.point(found.theta),

@@ -64,6 +64,20 @@ class FormVerdict(Struct, frozen=True, eq=False):
         """
         return verdict.refused(self.words) if self.words else verdict
 
+    def told_errors(self, covariance: Floats) -> Floats:
+        """Compute the standard errors that are told with the values of a fit.
+
+        Derived here: variances of errors that do not depend on each other add.
+
+        Args:
+            covariance: Covariance (n, n) of the fit coordinates [-].
+
+        Returns:
+            Standard errors (n,) [-].
+        """
+        beside = 0.0 if self.standing_in is None else self.standing_in
+        return np.asarray(np.sqrt(np.diag(covariance) + beside))
+
 
 def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
     """Judge the forms of coefficients that follow the speed (Kennedy and O'Hagan 2001; Harville 1977).

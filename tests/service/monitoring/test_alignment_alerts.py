@@ -20,7 +20,7 @@ from storage.database.engine import Database
 from storage.findings import derived
 from storage.machines import machines
 from tests.api_in_process import Api
-from tests.assessment import judge
+from tests.assessment import judge_between
 from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
 from tests.estimator.diagnosis.test_film_reference import effects
 from tests.plant import SECOND, START, identification, store_identification
@@ -57,7 +57,8 @@ class FilmWeeks:
             moment = START + self.count * WEEK
             row = store_identification(session, outcome, run_id=self.count, measured_at=moment, machine_id=MACHINE.id)
             derived.add(session, row, [TRENDED])
-            judge(session, row, baseline_runs=BASELINE)
+            stored = row.id
+        judge_between(self.database, stored, baseline_runs=BASELINE)
 
     def alerts(self) -> list[ListedAlert]:
         with self.database.reading() as session:
