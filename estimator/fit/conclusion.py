@@ -73,7 +73,7 @@ def conclude(
     if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
     return Identification(
-        estimates=estimates(problem.train, coordinates, found.theta, of_form.told_errors(covariance), why, doubtful),
+        estimates=estimates(problem.train, coordinates, found.theta, of_form.reported_errors(covariance), why, doubtful),
         coordinates=coordinates.names,
         covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
         point=coordinates.point(found.theta),

@@ -64,8 +64,8 @@ class FormVerdict(Struct, frozen=True, eq=False):
         """
         return verdict.refused(self.words) if self.words else verdict
 
-    def told_errors(self, covariance: Floats) -> Floats:
-        """Compute the standard errors that are told with the values of a fit.
+    def reported_errors(self, covariance: Floats) -> Floats:
+        """Compute the standard errors that are reported with the values of a fit.
 
         Derived here: variances of errors that do not depend on each other add.
 
