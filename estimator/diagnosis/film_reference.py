@@ -12,7 +12,7 @@ from functools import cache, partial
 import numpy as np
 
 from estimator.alignment.compliant_couplings import CompliantCouplings, compliant_couplings
-from estimator.alignment.film_loads import film_loads
+from estimator.alignment.film_loads import FilmLoads
 from estimator.alignment.healthy_films import coordinate_scales, machine_spread
 from estimator.alignment.run_likelihood import contained_prior
 from estimator.arrays import Floats
@@ -95,7 +95,7 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
         gradient=gradient,
         information=information,
         believed=believed,
-        loads=cache(lambda: film_loads(model())),
+        loads=FilmLoads.of(model),
         model=model,
     )
 

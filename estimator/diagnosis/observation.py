@@ -17,7 +17,7 @@ from estimator.trends.parameter_vector import Point
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from estimator.alignment.film_loads import FilmLoad
+    from estimator.alignment.film_loads import FilmLoads
     from estimator.fit.identification import Identification
     from estimator.updated_model.model import UpdatedModel
 
@@ -41,7 +41,7 @@ class Observation:
         amplitude: Median amplitude of the used phasors, by channel [m].
         believed: Precision (N,) that the fit took from what was believed beforehand, and that the information lacks [1/unit²];
             None for none.
-        loads: Function that computes the loads on oil films; None of other trains.
+        loads: Loads on oil films; None of other trains.
         model: Function that returns the model of a train on oil films that the fit led to; None of other trains.
     """
 
@@ -58,7 +58,7 @@ class Observation:
     outliers: dict[str, int]
     amplitude: dict[str, float]
     believed: Floats | None = None
-    loads: "Callable[[], Sequence[FilmLoad]] | None" = None
+    loads: "FilmLoads | None" = None
     model: "Callable[[], UpdatedModel] | None" = None
 
     @property

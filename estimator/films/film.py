@@ -4,7 +4,7 @@ Stiffness and damping as J. W. Lund, J. Tribol. 109 (1987) 37 defines them, at a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -87,6 +87,23 @@ class FilmCoefficients:
             self.stiffness_slope[place],
             self.damping_slope[place],
             None if self.pads is None else self.pads.at(place),
+        )
+
+    def moved(self, step: Floats) -> "FilmCoefficients":
+        """Return the film a small step away, to first order in it: its slopes and the pads that tilt stay as they are.
+
+        Args:
+            step: Steps (..., 2) of the journal [c, or m].
+
+        Returns:
+            The film there.
+        """
+        along = step[..., None, :, None]
+        return replace(
+            self,
+            force=self.force - (self.static_stiffness @ step[..., None])[..., 0],
+            stiffness=self.stiffness + (self.stiffness_slope @ along)[..., 0],
+            damping=self.damping + (self.damping_slope @ along)[..., 0],
         )
 
 

@@ -17,6 +17,7 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, reported_rpm, slowest_rpm
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
+from estimator.statics.alike_bearings import covered, films_at
 from estimator.statics.coupled_train import train_statics
 from estimator.statics.journal_bearing import JournalBearing, journal_bearing
 from estimator.statics.linear_support import LinearSupport, linear_support
@@ -212,10 +213,10 @@ class FilmTrain:
         return self.statics.film_force(position + self.elevation) - np.stack([one.force for one in films])
 
     def _films(self, position: Floats, speed: float) -> list[FilmCoefficients]:
-        return [one.at(place, speed=speed) for one, place in zip(self.bearings, position, strict=True)]
+        return [one.one_of(0) for one in films_at(self.bearings, position[None], speed=np.array([speed]))]
 
     def _covers(self, position: Floats) -> bool:
-        return all(one.covers(place) for one, place in zip(self.bearings, position, strict=True))
+        return bool(covered(self.bearings, position[None])[0])
 
     def _inside(self, position: Floats) -> Floats:
         """Return positions drawn towards the centres until all films are known there."""

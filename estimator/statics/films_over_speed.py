@@ -13,6 +13,9 @@ from estimator.films.film import FilmCoefficients
 from estimator.statics.alike_bearings import covered, films_at
 from estimator.statics.equilibrium import HALVINGS, SETTLED, STEPS, FilmEquilibrium, FilmTrain
 
+LAST_STEP = 1e-5
+"""Largest step, in clearances, along which films are taken as linear [-]: what is left out is of the order of its square."""
+
 
 @dataclass(frozen=True)
 class _JournalsOverSpeed:
@@ -32,6 +35,11 @@ class _JournalsOverSpeed:
         """Return the films at one speed."""
         return tuple(one.one_of(place) for one in self.films)
 
+    def moved(self, step: Floats) -> "_JournalsOverSpeed":
+        """Return the journals after a last step (S, n, 2), along which their films are linear [m]."""
+        films = tuple(one.moved(step[:, number]) for number, one in enumerate(self.films))
+        return _JournalsOverSpeed(self.position + step, films, np.zeros_like(self.lacking))
+
 
 def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[FilmEquilibrium, ...] | None:
     """Find the equilibria at some speeds from known positions nearby, such as those of slightly different films.
@@ -49,9 +57,11 @@ def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[Fi
     if not covered(train.bearings, start).all():
         return None
     state = _state(train, speeds, start)
+    settled = LAST_STEP if all(one.pads is None for one in state.films) else SETTLED
     for _ in range(STEPS):
         step = _newton_step(train, state)
-        if np.max(np.linalg.norm(step, axis=2) / train.scale) < SETTLED:
+        if np.max(np.linalg.norm(step, axis=2) / train.scale) < settled:
+            state = state.moved(step)
             return tuple(
                 FilmEquilibrium(float(speed), state.position[place], state.at(place)) for place, speed in enumerate(speeds)
             )

@@ -25,8 +25,6 @@ SPEEDS = 12
 
 WAYPOINTS = 6
 """Number of steps from the document's films to others that are too far for one."""
-FOLLOWED = 4
-"""Number of these speeds over which the equilibria of the document's films are followed one by one."""
 
 
 class FilmTooThin(Invalid):
@@ -86,12 +84,10 @@ class NominalFilms:
         return tuple(found)
 
     def _followed(self) -> Sequence[FilmEquilibrium | None]:
-        """Return the equilibria followed from the highest speed down, those between a few speeds all at once."""
-        few = np.linspace(0, SPEEDS - 1, FOLLOWED).round().astype(int)
-        met = [one for one in self.train.follow(self.speed[few]) if one is not None]
-        if len(met) == few.size:
-            path = scipy.interpolate.PchipInterpolator(np.log(self.speed[few]), np.stack([one.position for one in met]))
-            found = equilibria_near(self.train, self.speed, path(np.log(self.speed)))
+        """Return the equilibria near that at the highest speed, all at once; where that fails, followed from there down."""
+        highest = self.train.equilibrium(self.fastest)
+        if highest is not None:
+            found = equilibria_near(self.train, self.speed, np.repeat(highest.position[None], SPEEDS, axis=0))
             if found is not None:
                 return found
         return self.train.follow(self.speed)

@@ -41,8 +41,8 @@ class FilmsOverCouplings:
 
 
 @cached_by_identity
-def films_over_couplings(model: UpdatedModel) -> FilmsOverCouplings | None:
-    """Find the states of a train's films at running speed; those of the last models are remembered (`over_couplings`).
+def films_at_estimate(model: UpdatedModel) -> FilmsOverCouplings | None:
+    """Find the states of a train's films at running speed at the estimate alone; those of the last models are remembered.
 
     Source: standard result: of a Gaussian prior's covariance, the part of some numbers is theirs whatever the others are
     (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. A.2).
@@ -51,17 +51,33 @@ def films_over_couplings(model: UpdatedModel) -> FilmsOverCouplings | None:
         model: The updated model.
 
     Returns:
-        The films; None of a train whose coefficients do not follow from films, or without equilibrium.
+        The films, as if no coupling were open; None of a train whose coefficients do not follow from films, or without
+        equilibrium.
     """
-    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
-    coordinates = model.coordinates_at(speed)
+    coordinates = model.coordinates_at(_running_speed(model))
     found = placed_films(coordinates)
     if found is None:
         return None
     placed, films = found
     fitted = _fitted(model, coordinates, placed, films)
-    central = journal_states(films, fitted.values, speed=speed)
-    if central is None:
+    central = journal_states(films, fitted.values, speed=_running_speed(model))
+    return None if central is None else FilmsOverCouplings(films, OverCouplings(fitted, central, ()))
+
+
+@cached_by_identity
+def films_over_couplings(model: UpdatedModel) -> FilmsOverCouplings | None:
+    """Find the states of a train's films at running speed; those of the last models are remembered (`over_couplings`).
+
+    Source: Gauss-Hermite rule of Abramowitz and Stegun, Handbook of Mathematical Functions, 1964, 25.4.46.
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        The films; None of a train whose coefficients do not follow from films, or without equilibrium.
+    """
+    estimate = films_at_estimate(model)
+    if estimate is None:
         return None
     on_films = [one.number for one in bearings_on_films(model.machine.bearings)]
 
@@ -70,9 +86,15 @@ def films_over_couplings(model: UpdatedModel) -> FilmsOverCouplings | None:
         return Prediction(states.force[-1, on_films].reshape(-1), slope.reshape(-1, slope.shape[-1]))
 
     def reach(values: Floats) -> JournalStates | None:
-        return journal_states(films, values, speed=speed)
+        return journal_states(estimate.model, values, speed=_running_speed(model))
 
-    return FilmsOverCouplings(films, over_couplings(fitted, central, reach=reach, seen=seen))
+    fitted, central = estimate.states.fitted, estimate.states.central
+    return FilmsOverCouplings(estimate.model, over_couplings(fitted, central, reach=reach, seen=seen))
+
+
+def _running_speed(model: UpdatedModel) -> Floats:
+    """Return the speed (1,) at which loads are told [rad/s]."""
+    return np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
 
 
 def _fitted(model: UpdatedModel, coordinates: Coordinates, placed: PlacedModel, films: FilmModel) -> FittedNumbers:

@@ -1,12 +1,12 @@
 """Loads on oil films as findings of their own: hardly any, or more than white metal takes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from estimator.alignment.film_loads import FilmLoad, film_loads
+from estimator.alignment.film_loads import FilmLoad, FilmLoads, film_loads
 from estimator.diagnosis.data_faults import heavy_loads, light_loads
 from estimator.diagnosis.observation import Observation
 from estimator.machine.film_speeds import reported_rpm
@@ -22,8 +22,13 @@ AREA = 0.005
 
 def loaded(vertical: Sequence[float], error: float = 10.0) -> Observation:
     """An observation with loads on the bearings [N]."""
-    found = tuple(FilmLoad(f"B{number}", load, error, AREA) for number, load in enumerate(vertical, start=1))
-    return replace(after({}, runs=1)[0], loads=lambda: found)
+    found = loads_of(vertical, error)
+    return replace(after({}, runs=1)[0], loads=FilmLoads(found, found))
+
+
+def loads_of(vertical: Sequence[float], error: float = 10.0) -> Callable[[], Sequence[FilmLoad]]:
+    """A function that returns loads on the bearings [N]."""
+    return lambda: [FilmLoad(f"B{number}", load, error, AREA) for number, load in enumerate(vertical, start=1)]
 
 
 USUAL = loaded([1000.0, 800.0])
@@ -38,6 +43,15 @@ def test_a_bearing_that_carries_hardly_anything_is_named() -> None:
 def test_one_that_may_carry_more_is_not() -> None:
     assert list(light_loads([USUAL], [loaded([1000.0, 70.0]), loaded([1000.0, 70.0])])) == []
     assert list(light_loads([USUAL], [loaded([1000.0, 20.0]), loaded([1000.0, 200.0])])) == []
+
+
+def test_errors_are_not_computed_of_loads_that_are_far_from_any_limit() -> None:
+    def known() -> Sequence[FilmLoad]:
+        raise AssertionError("loads were averaged over couplings")
+
+    cheap = replace(USUAL, loads=FilmLoads(loads_of([1000.0, 400.0]), known))
+    assert list(light_loads([cheap], [cheap])) == []
+    assert list(heavy_loads([cheap], [cheap])) == []
 
 
 def test_a_bearing_beyond_five_megapascals_is_named() -> None:
