@@ -145,40 +145,54 @@ def _beat_behind_peak(place: Floats, phasor: Complexes, smooth: Floats, peak: in
     fastest = 2.0 * np.pi / (SAMPLES_PER_TURN * spacing) / (2.0 * np.sqrt(length * (where[0] - place[peak] + spacing)))
     if fastest <= slowest:
         return None
-    best, at = PROMISING, (0.0, 0.0, 0.0)
-    for part in np.linspace(0.0, LAG, NATURAL_FREQUENCIES):
-        # The lag behind ω_n goes with √α; that of a middle rate is near enough to begin with.
-        frequency = float(place[peak] - part * np.sqrt(0.5 / np.sqrt(slowest * fastest)))
-        x = where - frequency
-        background = _background(x)
-        rest = values - background @ (background.conj().T @ values)
-        score, rate, decay = _scan(x, rest, length, slowest, fastest)
-        if score > best:
-            best, at = score, (frequency, rate, decay)
-    return None if best == PROMISING else _refined(where, values, at, lowest=float(place[0]), peak_place=float(place[peak]))
+    # The lag behind ω_n goes with √α; that of a middle rate is near enough to begin with.
+    lag = np.sqrt(0.5 / np.sqrt(slowest * fastest))
+    frequencies = place[peak] - lag * np.linspace(0.0, LAG, NATURAL_FREQUENCIES)
+    explained, chirps = _scan(where - frequencies[:, None], values, length, slowest, fastest)
+    best = int(np.argmax(explained))
+    if explained[best] <= PROMISING:
+        return None
+    start = (float(frequencies[best]), *chirps[best].tolist())
+    return _refined(where, values, start, lowest=float(place[0]), peak_place=float(place[peak]))
 
 
 def _background(x: Floats) -> Complexes:
-    """Build orthonormal columns (n, 5) that fall off behind a resonance."""
-    scaled = x / x[-1]
-    columns = np.stack([np.ones_like(x), scaled, 1 / scaled, 1 / scaled**2, scaled**2], axis=1)
+    """Build orthonormal columns (..., n, 5) that fall off behind a resonance, at distances (..., n) from it."""
+    scaled = x / x[..., -1:]
+    columns = np.stack([np.ones_like(x), scaled, 1 / scaled, 1 / scaled**2, scaled**2], axis=-1)
     return np.asarray(np.linalg.qr(columns)[0], dtype=complex)
 
 
-def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: float) -> tuple[float, float, float]:
-    """Estimate the part of the squares that the best chirp explains, its rate and its decay: a Fourier transform over x²."""
-    square = np.linspace(x[0] ** 2, x[-1] ** 2, GRID)
+def _scan(x: Floats, values: Complexes, length: float, slowest: float, fastest: float) -> tuple[Floats, Floats]:
+    """Estimate the part of the squares that the best chirp explains: a Fourier transform over the square of the distance.
+
+    x: distances (F, n) from F natural frequencies [rad/s]; values: phasors (n,) [m]; length: of the window behind the peak
+    [rad/s]; slowest, fastest: rates that are looked for [s²/rad].
+
+    Returns:
+        For each natural frequency the part explained (F,) [-], and the chirp's rate and decay (F, 2).
+    """
+    background = _background(x)
+    across = values @ background.conj()
+    rest = values - (background @ across[..., None])[..., 0]
+    square = np.linspace(x[:, 0] ** 2, x[:, -1] ** 2, GRID, axis=-1)
     at = np.sqrt(square)
+    even = np.stack([np.interp(*one) for one in zip(at, x, rest, strict=True)])
     decay = np.array(DECAYS)[:, None] / length
     # Samples are even in x: a sum over them is an integral over x² with this weight.
-    weight = np.exp(-decay * at) / at
-    power = np.abs(np.fft.fft(np.interp(at, x, rest) * weight, 2 * GRID)[:, :GRID]) ** 2
-    power /= np.sum(weight * np.exp(-decay * at), axis=1, keepdims=True) * np.sum(1.0 / at)
-    rates = np.pi * np.arange(GRID) / (GRID * (square[1] - square[0]))
-    power[:, (rates < slowest) | (rates > fastest)] = 0.0
-    which, best = np.unravel_index(int(np.argmax(power)), power.shape)
-    explained = float(power[which, best]) / max(float(np.mean(np.abs(rest) ** 2)), 1e-300)
-    return explained, float(rates[best]), float(decay[which, 0])
+    fall = np.exp(-decay * at[:, None])
+    weight = fall / at[:, None]
+    spectrum = np.fft.fft(even[:, None] * weight, 2 * GRID)[..., :GRID]
+    power = spectrum.real**2 + spectrum.imag**2
+    power /= np.sum(weight * fall, axis=-1, keepdims=True) * np.sum(1.0 / at, axis=-1)[:, None, None]
+    rates = np.pi * np.arange(GRID) / (GRID * (square[:, 1] - square[:, 0]))[:, None]
+    power *= ((rates >= slowest) & (rates <= fastest))[:, None]
+    whole = power.reshape(len(x), -1)
+    best = np.argmax(whole, axis=1)
+    which, bin_number = np.divmod(best, GRID)
+    every = np.arange(len(x))
+    explained = whole[every, best] / np.maximum(np.mean(np.abs(rest) ** 2, axis=1), 1e-300)
+    return explained, np.stack([rates[every, bin_number], decay[which, 0]], axis=1)
 
 
 def _refined(
