@@ -129,13 +129,23 @@ class CondensedTrain(Struct, frozen=True, eq=False, dict=True):
             Z (S, n, n) [N/m, N, N m/rad].
         """
         whole = self.known
-        owner, order = self.unknowns.order_of_terms
-        value = coefficients[..., owner]
-        for power in np.unique(order):
-            which = order == power
-            part = (self.left[:, which] * value[..., None, which]) @ self.right[:, which].T
-            whole += ((1j * self.speed) ** power)[:, None, None] * part
+        flat = whole.reshape(len(whole), -1)
+        for power, owner, places, products in self._products:
+            flat[:, places] += ((1j * self.speed) ** power)[:, None] * (coefficients[..., owner] @ products)
         return whole
+
+    @cached_property
+    def _products(self) -> tuple[tuple[int, NDArray[np.intp], NDArray[np.intp], Floats], ...]:
+        """Return for each power of jω the coefficients (t,) of its terms, and where (p,) among the n² places their products
+        a bᵀ (t, p) are not zero: few, as a term joins two places of the train."""
+        owner, order = self.unknowns.order_of_terms
+        found = []
+        for power in np.unique(order).tolist():
+            which = np.flatnonzero(order == power)
+            whole = (self.left[:, None, which] * self.right[None, :, which]).reshape(-1, which.size).T
+            places = np.flatnonzero(whole.any(axis=0))
+            found.append((power, owner[which], places, np.ascontiguousarray(whole[:, places])))
+        return tuple(found)
 
     def force_of(self, excitations: Complexes, coefficients: Floats) -> Complexes:
         """Assemble the force of excitations.
