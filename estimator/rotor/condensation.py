@@ -126,12 +126,14 @@ class CondensedTrain(Struct, frozen=True, eq=False, dict=True):
             coefficients: Coefficients p (K,) or, where they follow the speed, (S, K) [SI].
 
         Returns:
-            Z (S, n, n) [N/m, N, N m/rad].
+            Z (S, n, n) [N/m, N, N m/rad]; NaN at speeds at which a coefficient is.
         """
         whole = self.known
         flat = whole.reshape(len(whole), -1)
         for power, owner, places, products in self._products:
             flat[:, places] += ((1j * self.speed) ** power)[:, None] * (coefficients[..., owner] @ products)
+        # Where a film is too thin nothing is known: LAPACK would call a matrix singular that is unknown in part.
+        flat[~np.broadcast_to(np.isfinite(coefficients).all(axis=-1), len(flat))] = np.nan
         return whole
 
     @cached_property
