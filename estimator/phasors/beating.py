@@ -150,7 +150,7 @@ def _beat_behind_peak(place: Floats, phasor: Complexes, smooth: Floats, peak: in
     frequencies = place[peak] - lag * np.linspace(0.0, LAG, NATURAL_FREQUENCIES)
     explained, chirps = _scan(where - frequencies[:, None], values, length, slowest, fastest)
     best = int(np.argmax(explained))
-    if explained[best] <= PROMISING:
+    if not explained[best] > PROMISING:  # nor where nothing is known
         return None
     start = (float(frequencies[best]), *chirps[best].tolist())
     return _refined(where, values, start, lowest=float(place[0]), peak_place=float(place[peak]))
