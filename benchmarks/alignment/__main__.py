@@ -25,7 +25,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.alignment.alignment_figures import figures
 from benchmarks.alignment.cause_pairs import pair_figures
 from benchmarks.alignment.film_histories import HAPPENINGS
-from benchmarks.alignment.fleet_figures import false_figures, fleet_figures, fleet_of, run_out_figures
+from benchmarks.alignment.fleet_figures import fleet_figures, fleet_of, run_out_figures, together_figures
 from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.kept_outcomes import KEEPING, KeptOutcomes
 from tests.film_plant.motor_compressor import CouplingKind
@@ -73,7 +73,7 @@ def _figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
 
 
 def _fleet_figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
-    """Yield the figures of fleets, and last of all couplings together what is told that is not there."""
+    """Yield the figures of fleets, and last of all couplings together what is named and what is told that is not there."""
     fleets = []
     for kind in chosen.only or KINDS:
         found = fleet_of(kind, chosen.fleet, weeks=chosen.weeks, happenings=chosen.happening, kept_only=chosen.kept)
@@ -81,7 +81,7 @@ def _fleet_figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
         fleets.append(found)
     if len(fleets) > 1:
         yield ReportLine("all couplings together", "", "", True)
-        yield from false_figures(
+        yield from together_figures(
             {happening: [one for fleet in fleets for one in fleet[happening]] for happening in HAPPENINGS}
         )
 
