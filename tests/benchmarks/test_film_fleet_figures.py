@@ -70,7 +70,7 @@ def test_a_rate_is_as_low_as_asked_only_where_enough_years_show_it(machines: int
     ("machines", "missed", "kept"), [(30, 0, True), (36, 0, True), (36, 1, False), (60, 1, True), (60, 2, False)]
 )
 def test_the_lower_end_is_asked_for_where_the_machines_suffice(machines: int, missed: int, kept: bool) -> None:
-    """Of 36 machines all must be named for a lower end of 0.9, of 60 all but one: 0.9026 and 0.9106; of 30 no part shows it."""
+    """Of 36 machines all must be named for a lower end of 0.9, of 60 all but one: 0.9026 and 0.9106; of 30 none."""
     history = FilmHistory(1, "rigid", "wear", LONGEST_BASELINE + 2)
     found: FleetRecords = {name: [] for name in HAPPENINGS}
     found["wear"] = [record(history, moved_um=0.0, named=place >= missed) for place in range(machines)]
