@@ -6,8 +6,9 @@ On oil films it is the alignment in µm that has changed, and the bearings' load
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from estimator.alignment.alignment_comparison import AlignmentComparison, compared_identifications
+from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.close_matches import did_you_mean
+from estimator.diagnosis.compared_identifications import compared_identifications
 from estimator.errors import Invalid
 from estimator.identification.model_comparison import ModelComparison, compare_misalignment
 from estimator.machine.document import Machine

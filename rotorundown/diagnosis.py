@@ -10,6 +10,7 @@ from estimator.diagnosis.film_reference import film_observation
 from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, observation_of, observed_fit
+from estimator.diagnosis.open_channels import estimate_beside
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
@@ -119,15 +120,18 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     def size(cause: Cause) -> ChangeSize:
         if variation is None or cause.kind != MISALIGNMENT:
             return change_size(cause, windows.reference, amplitude=amplitude)
-        return alignment_size(cause, models, _fitted(machine, newest), variation=variation, causes=found.causes)
+        now = _fitted(machine, newest, beside=found.causes)
+        return alignment_size(cause, models, now, variation=variation, causes=found.causes)
 
     return CausesFound(found, tuple(map(size, found.causes)))
 
 
-def _fitted(machine: Machine, one: Result) -> UpdatedModel:
-    """Return the model that a fit led to."""
-    fit = one.identification
-    return model_at(machine, fit.coordinates, fit.point, fit.covariance)
+def _fitted(machine: Machine, one: Result, *, beside: Iterable[Cause] = ()) -> UpdatedModel:
+    """Return the model that a fit led to; named errors of measuring chains are free."""
+    fit, named = one.identification, [(cause.kind, cause.element) for cause in beside]
+    effects = fit.channel_effects
+    point, covariance = estimate_beside(fit.point, fit.covariance, effects, named, channels=machine.channels)
+    return model_at(machine, fit.coordinates, point, covariance)
 
 
 def _observed(machine: Machine, one: Result) -> Observation:

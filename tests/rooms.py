@@ -48,8 +48,9 @@ storage/machines: estimator estimator/machine estimator/phasors storage storage/
 storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables
 storage/alerts: estimator storage storage/database storage/tables
 storage/backup: storage storage/database storage/encoding storage/files storage/tables
-storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/trends estimator/updated_model
-    storage storage/database storage/encoding storage/machines storage/measurements storage/tables
+storage/findings: estimator estimator/diagnosis estimator/fit estimator/fit/validation estimator/machine
+    estimator/trends estimator/updated_model storage storage/database storage/encoding storage/machines
+    storage/measurements storage/tables
 storage/operation: estimator storage storage/alerts storage/database storage/encoding storage/findings storage/machines
     storage/tables
 formats:
@@ -100,8 +101,9 @@ service/security: estimator service/configuration service/http service/resilienc
 service/opcua: estimator estimator/machine estimator/rotor estimator/updated_model rotorundown/environment
     service/advice service/alerts service/configuration service/resilience service/runs service/security storage
     storage/alerts storage/database storage/findings storage/machines storage/operation storage/tables
-service/identification: estimator estimator/balancing estimator/calibration estimator/fit estimator/identification
-    estimator/machine estimator/modes estimator/phasors estimator/runs estimator/updated_model rotorundown/environment
+service/identification: estimator estimator/balancing estimator/calibration estimator/diagnosis estimator/fit
+    estimator/fit/validation estimator/identification estimator/machine estimator/modes estimator/phasors
+    estimator/runs estimator/updated_model rotorundown/environment
     service/balancing service/configuration service/monitoring service/replication service/resilience service/workers
     storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/diagnosis estimator/machine estimator/phasors estimator/statics
@@ -153,7 +155,7 @@ service/doctor: formats/wire service/api service/configuration service/delivery 
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
 service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
     estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: estimator estimator/alignment estimator/balancing estimator/bearings estimator/calibration
+service/commands: estimator estimator/balancing estimator/bearings estimator/calibration estimator/diagnosis
     estimator/fit estimator/identification estimator/machine estimator/machine/checks estimator/phasors
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model formats/files formats/recordings
     formats/wire rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing

@@ -42,7 +42,7 @@ PARTS: dict[Happening, float] = {
 }
 """Part of the machines in which that is asked [-]."""
 DISTURBANCES: tuple[Happening, ...] = ("wear", "unbalance", "gain", "pedestal")
-"""What is no misalignment: the part named is asked for as the lower end of its interval, where the machines suffice for it."""
+"""Happenings that are no misalignment; of these the interval's lower end is asked for, where the machines suffice."""
 NOTHING_MOVED = 0.125
 """Part of what is allowed up to which a misalignment that is told is a false one [-]: half of what is told."""
 FALSE_RATE, DISTURBED_RATE, ALL_RATE = 0.044, 0.098, 0.2

@@ -1,19 +1,18 @@
 """Comparison of a later run with a baseline on oil films: how far the alignment has moved, and which loads."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from estimator.alignment.alignment_change import changed_alignment
+from estimator.alignment.freed_coordinates import MovingCause
 from estimator.alignment.load_change import LoadChange, changed_loads
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
 from estimator.fit.decimals import signed_with_half
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identification import Identification
 from estimator.fit.validation.omitted_forces import largest_score
-from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.model import UpdatedModel, updated_model
+from estimator.updated_model.model import UpdatedModel
 
 MICRO = 1e6
 UNLIKELY = 0.05
@@ -28,19 +27,25 @@ class AlignmentComparison:
         coupling: Id of the coupling.
         changes: Changes of its offsets [m] and angles [rad], with what is allowed.
         loads: Changes of the loads on all bearings' films [N].
+        others: Kind and element of each other cause of what has changed; what these have moved is not held at the baseline's.
     """
 
     coupling: str
     changes: tuple[ToleratedChange, ...]
     loads: tuple[LoadChange, ...]
+    others: tuple[tuple[str, str], ...] = ()
 
     @property
     def verdict(self) -> str:
-        """Return which offsets and angles have changed for certain, in words.
+        """Return which offsets and angles have changed for certain, in words, and what else has happened.
 
         Any of them is told of a healthy machine with a chance of 5 % at most, which they share (Bonferroni); the intervals
         that stand beside are of each by itself.
         """
+        also = "".join(f"; {kind} at {element} is named, and what it has moved is left open" for kind, element in self.others)
+        return f"{self._alignment_verdict()}{also}"
+
+    def _alignment_verdict(self) -> str:
         known = [one for one in self.changes if one.value is not None]
         if not known:
             return f"the run does not determine the alignment of {self.coupling}"
@@ -65,33 +70,16 @@ class AlignmentComparison:
             yield f"  {load.name:<{width}}  {told} N of {load.before:.4g} N{part}"
 
 
-def compared_identifications(
-    machine: Machine, baseline: Identification, later: Identification, coupling: str
+def compared_alignment(
+    baseline: Sequence[UpdatedModel], later: UpdatedModel, coupling: str, *, causes: Iterable[MovingCause] = ()
 ) -> AlignmentComparison:
-    """Compare a coupling's alignment in one identification with that in another, as command and library do.
-
-    Args:
-        machine: The machine, whose bearings are described by their films.
-        baseline: Its identification while it was healthy.
-        later: A later one.
-        coupling: Id of the coupling.
-
-    Returns:
-        The comparison, with what a static load that both fits doubt does to the loads on films.
-
-    Raises:
-        ValueError: An identification is of another machine, or no elevation of its bearings is identified.
-    """
-    return compared_alignment([updated_model(machine, baseline)], updated_model(machine, later), coupling)
-
-
-def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, coupling: str) -> AlignmentComparison:
     """Compare a coupling's alignment with a baseline (linear mixed model; Laird and Ware 1982).
 
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine whose bearings are described by their films.
         later: Model of the later run.
         coupling: Id of the coupling.
+        causes: Element of what else is known to have happened to the machine since, and what that moves.
 
     Returns:
         The comparison.
@@ -99,7 +87,7 @@ def compared_alignment(baseline: Sequence[UpdatedModel], later: UpdatedModel, co
     Raises:
         ValueError: There is no baseline, it is of another machine, or no elevation of its bearings is identified.
     """
-    change = run_change(baseline, later)
+    change = run_change(baseline, later, causes=causes)
     if change is None:
         raise ValueError(
             f"changes of alignment follow from elevations of bearings, and none of '{later.machine.id}' is identified: "

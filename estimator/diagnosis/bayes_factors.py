@@ -17,6 +17,7 @@ import scipy.special
 
 from estimator.arrays import Floats
 from estimator.diagnosis.finding_kind import Cause
+from estimator.diagnosis.finding_kinds import finding_kind
 from estimator.diagnosis.healthy_variation import run_variation, slow_variation, typical_amplitude
 from estimator.diagnosis.hypotheses import Hypothesis, hypotheses
 from estimator.diagnosis.observation import Observation, names_in_common
@@ -34,6 +35,14 @@ exactly.
 LARGEST_FURTHER_EVIDENCE = 6.0
 """Most evidence that a cause which enters the response linearly asks of a further one [-]: however large it is, a cause that
 stands for months must not hide a misalignment.
+"""
+GAIN_SQUARED_PART = 3.0
+"""Part of the evidence of a gain's change that a further cause needs besides, per square of that change [-]: a fit has taken
+the gain in, and its effects hold to first order only.
+"""
+DOUBTFUL = 3.0
+"""Evidence by which a misalignment must be ahead of any fault of a measuring chain [-]: a factor of 20, so that of the two it
+is the right one with a probability of 0.95.
 """
 MAXIMUM_CAUSES = 4
 """Most causes at once that are told apart."""
@@ -202,7 +211,20 @@ def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
     left = deviation.allowing_for(chosen)
     evidence: dict[tuple[str, str], float] = {(one.kind, one.element): left.evidence(one) for one in baseline.hypotheses}
     evidence |= {(cause.kind, cause.element): cause.evidence for cause, _ in causes}
-    return Diagnosis(tuple(cause for cause, _ in causes), tuple(others for _, others in causes), evidence)
+    told = [pair for cause, others in causes if (pair := _chain_first(cause, others))[0].evidence >= STRONG]
+    return Diagnosis(tuple(cause for cause, _ in told), tuple(others for _, others in told), evidence)
+
+
+def _chain_first(cause: Cause, runners_up: tuple[Cause, ...]) -> tuple[Cause, tuple[Cause, ...]]:
+    """Return a cause with its runners-up; a fault of a measuring chain in place of a misalignment that is hardly likelier.
+
+    A probe is looked at sooner than a coupling is opened, and the misalignment is the first of the runners-up.
+    """
+    chains = [one for one in runners_up if finding_kind(one.kind).place == "channels"]
+    best = max(chains, key=lambda one: one.evidence, default=None)
+    if cause.kind != "misalignment" or best is None or best.evidence <= cause.evidence - DOUBTFUL:
+        return cause, runners_up
+    return best, (cause, *(one for one in runners_up if one is not best))
 
 
 def _chosen(deviation: "Deviation") -> list[Hypothesis]:
@@ -234,7 +256,7 @@ def _evidence_together(deviation: "Deviation", causes: Sequence[Hypothesis]) -> 
 def _chosen_from(deviation: "Deviation", first: Hypothesis) -> list[Hypothesis]:
     """Choose hypotheses from one on: one after another, as long as the evidence for the next is strong."""
     chosen = [first]
-    least = max(STRONG, _required_evidence(first, deviation.evidence(first)))
+    least = max(STRONG, _required_evidence(deviation, first))
     for _ in range(LARGEST_STEPS - 1):
         within = deviation.allowing_for(chosen)
         left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_subset(one, chosen)]
@@ -245,7 +267,7 @@ def _chosen_from(deviation: "Deviation", first: Hypothesis) -> list[Hypothesis]:
             break
         # A whole takes the place of its parts.
         chosen = [*(one for one in chosen if not _is_subset(one, [best])), best]
-        least = max([STRONG, *(_required_evidence(one, deviation.evidence(one)) for one in chosen)])
+        least = max([STRONG, *(_required_evidence(deviation, one) for one in chosen)])
         # What a new cause explains better is taken back.
         needed = [one for one in chosen if deviation.allowing_for([o for o in chosen if o is not one]).evidence(one) >= STRONG]
         if len(needed) < len(chosen) and best not in needed:
@@ -254,11 +276,15 @@ def _chosen_from(deviation: "Deviation", first: Hypothesis) -> list[Hypothesis]:
     return chosen
 
 
-def _required_evidence(one: Hypothesis, evidence: float) -> float:
-    """Return the evidence that a further cause needs beside one with so much, apart from what any needs."""
+def _required_evidence(deviation: "Deviation", one: Hypothesis) -> float:
+    """Return the evidence that a further cause needs beside one, apart from what any needs."""
     if one.fitted:
         return 0.0
-    return min(FURTHER_CAUSE_PART * evidence, LARGEST_FURTHER_EVIDENCE if one.linear else math.inf)
+    part, evidence = FURTHER_CAUSE_PART, deviation.evidence(one)
+    if "gain" in finding_kind(one.kind).errors:
+        change = deviation.cause(one).change
+        part += GAIN_SQUARED_PART * float(change @ change)
+    return min(part * evidence, LARGEST_FURTHER_EVIDENCE if one.linear else math.inf)
 
 
 def _is_subset(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:

@@ -182,6 +182,7 @@ class FindingKind:
             left over for another cause.
         left_out: Whether it moves an error that fits leave out unless the document asks for it.
         moves: Coordinates of a train on oil films that it moves: a change of alignment must not hold them at the baseline's.
+        errors: Quantities of its channel's chain that it makes wrong: a change of alignment beside it leaves them open.
         beyond_fits: Whether it is told only where it changes a stiffness by more than single fits leave open of that.
 
     Raises:
@@ -200,6 +201,7 @@ class FindingKind:
     fitted: bool = False
     left_out: bool = False
     moves: MovedCoordinates | None = None
+    errors: tuple[str, ...] = ()
     beyond_fits: bool = False
 
     @property

@@ -331,8 +331,8 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
         moves=MovedCoordinates(ROTATING_ERRORS),
     ),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
-    FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),
-    FindingKind("sensor", ("probe",), "channels", changes=_gains, size=_gain_size, data_fault=lost_channels),
+    FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size, errors=("run_out",)),
+    FindingKind("sensor", ("probe",), "channels", changes=_gains, size=_gain_size, data_fault=lost_channels, errors=("gain",)),
     FindingKind("misfit", ("machine",), "data", fit_fault=misfit),
     FindingKind("outliers", ("machine",), "data", data_fault=many_outliers),
 )

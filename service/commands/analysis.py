@@ -287,7 +287,7 @@ def compare(
 
 def _compare_alignment(machine: Path, healthy: "Identification", files: list[Path], coupling: str, *, as_json: bool) -> None:
     """Print by how much a coupling's alignment, and the loads on all films, have changed."""
-    from estimator.alignment.alignment_comparison import compared_identifications
+    from estimator.diagnosis.compared_identifications import compared_identifications
     from service.commands.results.alignment_report import alignment_comparison_content
 
     described, _, later = identified(machine, files, None)

@@ -1,14 +1,16 @@
 """Restoring a model from a stored identification: its machine, its values, and the runs that it was made from."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.arrays import Floats
+from estimator.diagnosis.open_channels import estimate_beside
 from estimator.errors import Conflict
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.machine.under_conditions import under_conditions
@@ -34,6 +36,7 @@ class Identified:
 
     machine: the document of its revision, under the conditions of its runs.
     point, covariance: (n,), (n, n) as in `Identification`.
+    effects: effects of channels' errors on it; None by an older release.
     direction: sense of rotation of its runs, +1 from +x to +y.
     """
 
@@ -43,6 +46,7 @@ class Identified:
     coordinates: tuple[str, ...]
     point: Floats
     covariance: Floats
+    effects: ChannelEffects | None
     run_ids: tuple[int, ...]
     slow_roll: SlowRoll | None
     noise: Noise | None
@@ -53,6 +57,12 @@ class Identified:
     def model(self) -> UpdatedModel:
         """Return the updated model in the sense of rotation of its runs."""
         return model_at(self.machine, self.coordinates, self.point, self.covariance).turning(self.direction)
+
+    def model_beside(self, causes: Iterable[tuple[str, str]]) -> UpdatedModel:
+        """Return the model with errors of measuring chains free that causes stand for. causes: kind and element of each."""
+        channels = self.machine.channels
+        point, covariance = estimate_beside(self.point, self.covariance, self.effects, causes, channels=channels)
+        return replace(self, point=point, covariance=covariance).model
 
 
 @dataclass(frozen=True)
@@ -85,6 +95,7 @@ def identified(session: Session, identification_id: int) -> Identified:
         coordinates=tuple(row.coordinates),
         point=point,
         covariance=identifications.covariance(row),
+        effects=identifications.effects(session, identification_id),
         run_ids=tuple(row.run_ids),
         slow_roll=_vectors(session, row, machine),
         noise=_noise(row),

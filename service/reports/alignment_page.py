@@ -33,7 +33,7 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
         return muted(language.translate("report.other_unknowns"))
-    change = run_change(models, fit.one.model, causes=moving_causes(fit.causes))
+    change = run_change(models, fit.one.model_beside(fit.causes), causes=moving_causes(fit.causes))
     if change is None:
         return ""
     changes = tolerated_changes(fit.one.machine, changed_alignment(change))

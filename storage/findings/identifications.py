@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session, undefer
 from estimator.diagnosis.observation import ObservedFit
 from estimator.errors import Missing
 from estimator.fit.identification import Identification
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.parameter_description import is_direct
 from estimator.trends.parameter_vector import Point
 from storage.clock import TOLERANCE, now
@@ -159,6 +160,17 @@ def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np
     if row is None:
         raise IdentificationUnknown(identification_id)
     return None if row.point is None else np.frombuffer(row.point, "<f8")
+
+
+def effects(session: Session, identification_id: int) -> ChannelEffects | None:
+    """Return the effects of channels' errors on an identification; None for one by an older release.
+
+    Raises IdentificationUnknown.
+    """
+    row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.channel_effects)])
+    if row is None:
+        raise IdentificationUnknown(identification_id)
+    return None if row.channel_effects is None else channel_effects.decode(row.channel_effects)
 
 
 def of_machine(

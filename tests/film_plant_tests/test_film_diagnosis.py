@@ -1,13 +1,15 @@
 """Tests that what happens to plants of other make is called by its name: gated fits of a few runs, assessed as the service
 does."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from msgspec import structs
 
+from estimator.diagnosis.compared_identifications import compared_identifications
 from estimator.diagnosis.observation import observed_fit
 from estimator.fit.identification import Identification
 from estimator.identification.quality_gate import identify_gated
@@ -42,8 +44,13 @@ def machine() -> Machine:
     return parse_machine(film_document(plant(), priors=WIDE))
 
 
-def gated(one: Plant, seed: int, beginning: Identification | None) -> Identification:
+def gated(
+    one: Plant, seed: int, beginning: Identification | None, *, gains: Mapping[str, float] | None = None
+) -> Identification:
+    """Identify a run of a plant through the gate; gains: factors on what single probes read [-]."""
     measurement = measured(one, seed=seed)
+    reads = np.array([(gains or {}).get(channel, 1.0) for channel in machine().channels])
+    measurement = structs.replace(measurement, phasor=measurement.phasor * reads)
     status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
     run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, machine().channels)
     begin = None if beginning is None else beginning.point
@@ -63,10 +70,10 @@ def assessed(number: int, one: Identification) -> AssessedRun:
     return AssessedRun(number, number * WEEK, {}, observed_fit(one))
 
 
-def diagnosed(change: PlantChange, *, runs: int = 2) -> MachineDiagnosis:
+def diagnosed(change: PlantChange, *, runs: int = 2, gains: Mapping[str, float] | None = None) -> MachineDiagnosis:
     """Diagnosis of the newest runs of the plant after something has happened to it."""
     rng, later = np.random.default_rng(3), change(plant())
-    after = [gated(run_of(later, rng), 100 + number, baseline()[0]) for number in range(runs)]
+    after = [gated(run_of(later, rng), 100 + number, baseline()[0], gains=gains) for number in range(runs)]
     context = AssessmentContext(
         machine=machine(),
         limits=Limits(),
@@ -171,3 +178,33 @@ def test_the_run_out_of_a_rigid_coupling_is_named_with_its_size(change: PlantCha
     (one,) = diagnosed(change).causes
     assert (one.cause.kind, one.cause.element) == ("rotating_coupling", "coupling.C1")
     assert one.size.quantities[quantity] == pytest.approx(size, rel=0.15)
+
+
+def test_an_offset_beside_a_probe_that_reads_too_much_is_told_with_intervals_that_hold() -> None:
+    """Held at what the document says, the gain would be told as a horizontal offset and as angles."""
+    causes = diagnosed(sunk(40e-6), gains={"B2X": 1.12}).causes
+    sizes = {(one.cause.kind, one.cause.element): one.size.quantities for one in causes}
+    assert set(sizes) == {("misalignment", "coupling.C1"), ("sensor", "probe.B2X")}
+    told = sizes["misalignment", "coupling.C1"]
+    for quantity, true in (("offset_vertical", -40.0), ("offset_horizontal", 0.0)):
+        assert told[f"{quantity}_um"] == pytest.approx(true, abs=1.5 * told[f"{quantity}_half_width_um"]), quantity
+    for quantity in ("angle_vertical", "angle_horizontal"):
+        assert told[f"{quantity}_urad"] == pytest.approx(0.0, abs=1.5 * told[f"{quantity}_half_width_urad"]), quantity
+
+
+def test_a_comparison_of_two_runs_calls_wear_no_change_of_the_alignment() -> None:
+    later = gated(run_of(worn(2, 1.3)(plant()), np.random.default_rng(4)), 100, baseline()[0])
+    found = compared_identifications(machine(), baseline()[0], later, "C1")
+    assert found.others == (("wear", "bearing.B3"),)
+    assert found.verdict == (
+        "no change of the alignment of C1 is certain; wear at bearing.B3 is named, and what it has moved is left open"
+    )
+
+
+def test_a_comparison_beside_a_probe_that_reads_too_much_leaves_open_what_that_has_moved() -> None:
+    later = gated(run_of(sunk(40e-6)(plant()), np.random.default_rng(5)), 100, baseline()[0], gains={"B2X": 1.12})
+    found = compared_identifications(machine(), baseline()[0], later, "C1")
+    assert found.others == (("sensor", "probe.B2X"),)
+    told = {one.name.rpartition(".")[2]: one for one in found.changes}
+    for quantity, true in (("offset_vertical", -40e-6), ("offset_horizontal", 0.0)):
+        assert told[quantity].value == pytest.approx(true, abs=1.5 * told[quantity].half), quantity

@@ -135,7 +135,7 @@ def _alignment(
     """
     models = [each.model for each in baseline]
     comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
-    change = run_change(models, one.model, causes=moving_causes(causes)) if comparable else None
+    change = run_change(models, one.model_beside(causes), causes=moving_causes(causes)) if comparable else None
     if change is None:
         return alignment_quantities(one.model), (), ()
     return alignment_quantities(one.model), tolerated_changes(one.machine, changed_alignment(change)), changed_loads(change)

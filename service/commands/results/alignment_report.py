@@ -21,7 +21,7 @@ def alignment_text(quantities: Sequence[Derived]) -> str:
 
 
 def alignment_comparison_content(found: AlignmentComparison) -> dict[str, Any]:
-    """Return the verdict, the changes with what is allowed, and those of the loads, in SI units."""
+    """Return the verdict, the changes with what is allowed, those of the loads, in SI units, and other causes."""
     changes = [
         {
             "name": one.name,
@@ -45,7 +45,8 @@ def alignment_comparison_content(found: AlignmentComparison) -> dict[str, Any]:
         }
         for one in found.loads
     ]
-    return {"coupling": found.coupling, "verdict": found.verdict, "changes": changes, "loads": loads}
+    others = [{"kind": kind, "element": element} for kind, element in found.others]
+    return {"coupling": found.coupling, "verdict": found.verdict, "changes": changes, "loads": loads, "others": others}
 
 
 def _value(one: Derived) -> str:

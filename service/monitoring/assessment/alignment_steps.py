@@ -13,7 +13,7 @@ from typing import Any
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.data_faults import is_uninformative
 from estimator.diagnosis.film_reference import film_observation, is_of_films
-from estimator.diagnosis.finding_kind import ChangeSize, SizePart, is_step_beside
+from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart, is_step_beside
 from estimator.diagnosis.observation import Observation
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.season_part import variation_within
@@ -44,10 +44,14 @@ _COORDINATES = (
 
 @dataclass(frozen=True)
 class AlignmentStep:
-    """A misalignment that the newest runs show against those before it. comparison: comparison of these runs."""
+    """A misalignment that the newest runs show against those before it.
+
+    comparison: comparison of these runs. diagnosis: the misalignment alone. others: other causes of what these runs show.
+    """
 
     comparison: BaselineComparison
     diagnosis: Diagnosis
+    others: tuple[Cause, ...]
 
 
 def alignment_steps(context: AssessmentContext, compared: BaselineComparison) -> Iterator[AlignmentStep]:
@@ -65,10 +69,11 @@ def alignment_steps(context: AssessmentContext, compared: BaselineComparison) ->
         diagnosis = comparison.watch.found(
             comparison.observations, on_delay=lambda kind, element: delays(context.limits, kind, element)[0]
         )
-        for cause, others in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
+        for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
             if cause.kind == MISALIGNMENT.name and cause.element in of - found:
                 found.add(cause.element)
-                yield AlignmentStep(comparison, Diagnosis((cause,), (others,)))
+                others = tuple(one for one in diagnosis.causes if one is not cause)
+                yield AlignmentStep(comparison, Diagnosis((cause,), (runners_up,)), others)
 
 
 def step_has_gone(context: AssessmentContext, compared: BaselineComparison, element: str) -> bool | None:

@@ -70,12 +70,17 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
     return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, gone, moved)
 
 
-def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
-    """Return the causes of a diagnosis with their size, their form, and the run with which each began and how it went on."""
+def _causes(
+    context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis, beside: Sequence[Cause] = ()
+) -> tuple[DiagnosedCause, ...]:
+    """Return the causes of a diagnosis with their size, their form, and the run with which each began and how it went on.
+
+    beside: causes that are known from elsewhere: what they have moved is no part of any size.
+    """
     machine = context.machine
     amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
-    explanations = _explanations(context, compared, diagnosis, amplitude)
-    together = [one.cause for one in explanations]
+    explanations = _explanations(context, compared, diagnosis, amplitude, beside)
+    together = [*(one.cause for one in explanations), *beside]
     causes = []
     for found, named in zip(explanations, diagnosis.causes, strict=True):
         cause = found.cause
@@ -107,8 +112,9 @@ def _with_steps(
     """Return the causes with the steps of couplings' alignments: each beside the change that the baseline shows, or alone."""
     known = {(one.cause.kind, one.cause.element): one for one in causes}
     for step in alignment_steps(context, compared):
-        (found,) = _causes(context, step.comparison, step.diagnosis)
-        key, size = (found.cause.kind, found.cause.element), _step_size(context, step)
+        beside = [*(one.cause for one in causes), *step.others]
+        (found,) = _causes(context, step.comparison, step.diagnosis, beside)
+        key, size = (found.cause.kind, found.cause.element), _step_size(context, step, beside)
         if key in known:
             known[key] = replace(known[key], size=with_step(known[key].size, size))
         elif is_off_baseline(found.size, size):
@@ -116,24 +122,29 @@ def _with_steps(
     return tuple(known.values())
 
 
-def _step_size(context: AssessmentContext, step: AlignmentStep) -> ChangeSize:
-    """Return the size of a step by itself, against the runs before it."""
+def _step_size(context: AssessmentContext, step: AlignmentStep, beside: Sequence[Cause]) -> ChangeSize:
+    """Return the size of a step by itself, against the runs before it; what other causes have moved is no part of it."""
     before, newest = step.comparison.before, step.comparison.after[-1]
     if before is None:
         return ChangeSize(None)
     (cause,) = step.diagnosis.causes
-    models = [run_model(context.machine, run) for run in (*before.runs, newest)]
-    return alignment_size(cause, models[:-1], models[-1], variation=before.variation, causes=[cause])
+    models = [run_model(context.machine, run) for run in before.runs]
+    now = run_model(context.machine, newest, beside=beside)
+    return alignment_size(cause, models, now, variation=before.variation, causes=[cause, *beside])
 
 
 def _explanations(
-    context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis, amplitude: Mapping[str, float]
+    context: AssessmentContext,
+    compared: BaselineComparison,
+    diagnosis: Diagnosis,
+    amplitude: Mapping[str, float],
+    beside: Sequence[Cause],
 ) -> list[Explanation]:
     """Return each cause as the 2× has it: it raises no alert where there would be none, and sets none aside for what raises
     none."""
 
     def alerts_by_itself(cause: Cause) -> bool:
-        return _reaches_limit(context, cause, _size(context, compared, cause, diagnosis.causes, amplitude))
+        return _reaches_limit(context, cause, _size(context, compared, cause, [*diagnosis.causes, *beside], amplitude))
 
     explanations = []
     for number, named in enumerate(diagnosis.causes):
@@ -198,8 +209,9 @@ def _size(
     if cause.kind != MISALIGNMENT.name or compared.variation is None:
         return change_size(cause, compared.watch.reference, amplitude=amplitude)
     newest = next((run for run in reversed(compared.after) if run.fit.accepted), compared.after[-1])
-    models = [run_model(context.machine, run) for run in (*context.baseline, newest)]
-    return alignment_size(cause, models[:-1], models[-1], variation=compared.variation, causes=together)
+    models = [run_model(context.machine, run) for run in context.baseline]
+    now = run_model(context.machine, newest, beside=together)
+    return alignment_size(cause, models, now, variation=compared.variation, causes=together)
 
 
 def _cleared_causes(

@@ -1,11 +1,13 @@
 """Models of a machine's assessed runs, and how a machine on oil films varies from run to run, learnt from its baseline."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from estimator.alignment.healthy_films import learnt_variation
+from estimator.diagnosis.finding_kind import Cause
+from estimator.diagnosis.open_channels import estimate_beside
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.under_conditions import under_conditions
@@ -16,9 +18,14 @@ CACHED_MODELS = 4
 """Baselines of which the variation is remembered: a process mostly assesses a few machines in turns."""
 
 
-def run_model(machine: Machine, run: AssessedRun) -> UpdatedModel:
-    """Return the model that a run's identification led to, under its own operating conditions."""
-    return model_at(under_conditions(machine, run.conditions), run.fit.coordinates, run.fit.point, run.fit.covariance)
+def run_model(machine: Machine, run: AssessedRun, *, beside: Iterable[Cause] = ()) -> UpdatedModel:
+    """Return the model that a run's identification led to, under its own operating conditions.
+
+    beside: named causes; errors of measuring chains that they stand for are free.
+    """
+    fit, named = run.fit, [(one.kind, one.element) for one in beside]
+    point, covariance = estimate_beside(fit.point, fit.covariance, fit.effects, named, channels=machine.channels)
+    return model_at(under_conditions(machine, run.conditions), fit.coordinates, point, covariance)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from estimator.alignment.alignment_change import changed_alignment
-from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment, compared_identifications
+from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import tolerated_changes
+from estimator.diagnosis.compared_identifications import compared_identifications
 from estimator.fit.identification import Identification
 from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.machine.alignment_rules import HealthyVariation

@@ -16,7 +16,7 @@ from service.monitoring.assessment.baseline_comparison import compare
 from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
 from service.monitoring.rules.limits import Limits
 from tests.film_plant.scatter import run_of
-from tests.film_plant_tests.test_film_diagnosis import BASELINE, assessed, baseline, gated, machine, plant, sunk
+from tests.film_plant_tests.test_film_diagnosis import BASELINE, assessed, baseline, gated, machine, plant, sunk, worn
 
 MISALIGNED = ("misalignment", "coupling.C1")
 GROWN, STEPPED = 9e-6, -10e-6
@@ -26,21 +26,28 @@ STEEPEST = 1.5e-6
 
 
 @cache
-def run_at(offset: float, number: int) -> AssessedRun:
-    """Identify a run of the plant with the driven shaft so much higher; number: the run's, in the order of their times."""
+def run_at(offset: float, number: int, clearance: float = 1.0) -> AssessedRun:
+    """Identify a run of the plant with the driven shaft so much higher, and bearing B3 so much wider [-].
+
+    number: the run's, in the order of their times.
+    """
     rng = np.random.default_rng([7, number])
-    return assessed(BASELINE + number, gated(run_of(sunk(-offset)(plant()), rng), 200 + number, baseline()[0]))
+    later = worn(2, clearance)(sunk(-offset)(plant()))
+    return assessed(BASELINE + number, gated(run_of(later, rng), 200 + number, baseline()[0]))
 
 
-def context(offsets: Sequence[float], *, step_open_since: int | None = None) -> AssessmentContext:
-    """The context after runs with such offsets. step_open_since: place of the run since which an alert tells a step."""
+def context(offsets: Sequence[float], *, step_open_since: int | None = None, clearance: float = 1.0) -> AssessmentContext:
+    """The context after runs with such offsets.
+
+    step_open_since: place of the run since which an alert tells a step. clearance: of bearing B3, over that of the baseline.
+    """
     is_open = step_open_since is not None
     return AssessmentContext(
         machine=machine(),
         limits=Limits(),
         basis=AssessmentBasis(None, None),
         baseline=tuple(assessed(number, one) for number, one in enumerate(baseline())),
-        after=tuple(run_at(offset, number) for number, offset in enumerate(offsets)),
+        after=tuple(run_at(offset, number, clearance) for number, offset in enumerate(offsets)),
         open_causes=(MISALIGNED,) if is_open else (),
         history=None,
         open_rates={},
@@ -103,3 +110,16 @@ def test_a_refused_run_neither_shows_a_step_nor_hides_one() -> None:
         "step_offset_vertical_um" not in found.size.quantities
         for found in diagnosed(replace(of, after=(*of.after[:-1], last))).causes
     )
+
+
+def test_wear_beside_an_offset_is_no_part_of_its_size_nor_of_its_step() -> None:
+    """Wear of 30 % held at the baseline's would be told as some 30 µm of offset more, and 20 µm sideways."""
+    found = diagnosed(context([STEPPED * 2] * 3, clearance=1.3)).causes
+    assert ("wear", "bearing.B3") in {(one.cause.kind, one.cause.element) for one in found}
+    sizes = [one.size.quantities for one in found if (one.cause.kind, one.cause.element) == MISALIGNED]
+    assert sizes
+    for told in sizes:
+        for step in ("", "step_"):
+            for quantity, true in (("offset_vertical", 2e6 * STEPPED), ("offset_horizontal", 0.0)):
+                half = told[f"{step}{quantity}_half_width_um"]
+                assert told[f"{step}{quantity}_um"] == pytest.approx(true, abs=1.5 * half), f"{step}{quantity}"
