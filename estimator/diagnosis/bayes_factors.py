@@ -41,8 +41,8 @@ GAIN_SQUARED_PART = 3.0
 the gain in, and its effects hold to first order only.
 """
 DOUBTFUL = 3.0
-"""Evidence by which a misalignment must be ahead of any fault of a measuring chain [-]: a factor of 20, so that of the two it
-is the right one with a probability of 0.95.
+"""Evidence by which a cause such as a misalignment must be ahead of any fault of a measuring chain [-]: a factor of 20, so that
+of the two it is the right one with a probability of 0.95.
 """
 MAXIMUM_CAUSES = 4
 """Most causes at once that are told apart."""
@@ -216,13 +216,15 @@ def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
 
 
 def _chain_first(cause: Cause, runners_up: tuple[Cause, ...]) -> tuple[Cause, tuple[Cause, ...]]:
-    """Return a cause with its runners-up; a fault of a measuring chain in place of a misalignment that is hardly likelier.
+    """Return a cause with its runners-up; a fault of a measuring chain in place of one that must be ahead of it and is not.
 
     A probe is looked at sooner than a coupling is opened, and the misalignment is the first of the runners-up.
     """
+    if not finding_kind(cause.kind).ahead_of_chains:
+        return cause, runners_up
     chains = [one for one in runners_up if finding_kind(one.kind).place == "channels"]
     best = max(chains, key=lambda one: one.evidence, default=None)
-    if cause.kind != "misalignment" or best is None or best.evidence <= cause.evidence - DOUBTFUL:
+    if best is None or best.evidence <= cause.evidence - DOUBTFUL:
         return cause, runners_up
     return best, (cause, *(one for one in runners_up if one is not best))
 

@@ -183,6 +183,7 @@ class FindingKind:
         left_out: Whether it moves an error that fits leave out unless the document asks for it.
         moves: Coordinates of a train on oil films that it moves: a change of alignment must not hold them at the baseline's.
         errors: Quantities of its channel's chain that it makes wrong: a change of alignment beside it leaves them open.
+        ahead_of_chains: Whether it is told only where it is clearly ahead of every fault of a measuring chain.
         beyond_fits: Whether it is told only where it changes a stiffness by more than single fits leave open of that.
 
     Raises:
@@ -202,6 +203,7 @@ class FindingKind:
     left_out: bool = False
     moves: MovedCoordinates | None = None
     errors: tuple[str, ...] = ()
+    ahead_of_chains: bool = False
     beyond_fits: bool = False
 
     @property

@@ -282,7 +282,13 @@ def _mean_of(which: Sequence[bool] | Floats) -> Floats:
 COEFFICIENTS = MovedCoordinates(coefficients=True)
 FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind(
-        "misalignment", ("coupling",), "machine", changes=_misalignments, size=_misalignment_size, form=misalignment_form
+        "misalignment",
+        ("coupling",),
+        "machine",
+        changes=_misalignments,
+        size=_misalignment_size,
+        form=misalignment_form,
+        ahead_of_chains=True,
     ),
     FindingKind(
         "coupling",
@@ -295,7 +301,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     ),
     FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size, moves=COEFFICIENTS),
     FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size, fitted=True, moves=COEFFICIENTS),
-    FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size),
+    FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size, ahead_of_chains=True),
     FindingKind("wear", ("bearing",), "machine", changes=wears, size=wear_size, moves=MovedCoordinates(("clearance",))),
     FindingKind(
         "oil", ("machine",), "machine", changes=oils, size=oil_size, moves=MovedCoordinates(VISCOSITIES, of_all_elements=True)
