@@ -41,8 +41,8 @@ GAIN_SQUARED_PART = 3.0
 the gain in, and its effects hold to first order only.
 """
 DOUBTFUL = 3.0
-"""Evidence by which a cause such as a misalignment must be ahead of any fault of a measuring chain [-]: a factor of 20, so that
-of the two it is the right one with a probability of 0.95.
+"""Evidence by which a cause such as a misalignment must be ahead of any fault of a measuring chain [-]: a factor of 20, so
+that of the two it is the right one with a probability of 0.95.
 """
 MAXIMUM_CAUSES = 4
 """Most causes at once that are told apart."""

@@ -12,7 +12,7 @@ from estimator.machine.parts import Bearing
 
 FAR = 40.0
 """Largest difference of an oil's temperature from the stated one that a run may well have [K]: seasons bring 10."""
-COLDER, WARMER = 20.0, 12.0
+COLDER, WARMER = 35.0, 12.0
 """Largest differences [K] by which a reading converted from °F may lie below and above the stated temperature for °F to be
 assumed: oil is colder than usual in winter and after a standstill."""
 

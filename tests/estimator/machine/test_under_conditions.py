@@ -97,6 +97,12 @@ def test_an_oil_temperature_in_fahrenheit_is_named(machine: Machine, sent: float
         require_celsius(machine, {"oil": sent})
 
 
+def test_fahrenheit_is_named_where_the_oil_is_much_colder_than_stated() -> None:
+    """53 °C sent as 127 °F, where the document states 78 °C: a standstill in winter, say."""
+    with pytest.raises(ConditionImpossible, match=r"were °F sent \(53 °C\)"):
+        require_celsius(parse_machine(document(temperature_c=78.0)), {"oil": 127.0})
+
+
 @pytest.mark.parametrize("sent", [None, 15.0, 40.0, 60.0, 85.0, 150.0, 180.0])
 def test_oil_that_is_cold_or_hot_is_not_called_fahrenheit(machine: Machine, sent: float | None) -> None:
     require_celsius(machine, {"oil": sent, "power": 122.0})
