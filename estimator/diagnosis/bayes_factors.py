@@ -25,6 +25,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
+from estimator.symmetric_eigen import symmetric_eigen
 
 STRONG = 4.0
 """Evidence from which on a cause is reported [-]: a factor of 55, in runs that each speak for it."""
@@ -401,6 +402,15 @@ class Deviation:
     def _projected_pull(self, columns: Floats) -> Floats:
         return np.asarray((columns / self.baseline.unit[:, None]).T @ self.pull)
 
+    def _projected_precision(self, columns: Floats) -> Floats:
+        """Return the precision (r, r) of the sizes of r changes, with what is believed of them: no eigenvalue is below one."""
+        white = columns / self.baseline.unit[:, None]
+        seen = _symmetric(white.T @ self.precision @ white)
+        if np.any(np.diag(seen) < 0.0):  # what is left beside other causes is a small difference of large numbers
+            size, directions = symmetric_eigen(seen)
+            seen = directions * np.maximum(size, 0.0) @ directions.T
+        return np.asarray(np.eye(columns.shape[1]) + seen)
+
     def _by_variant(self, one: Hypothesis) -> tuple[float, ...]:
         if id(one) not in self._evidence:
             self._evidence[id(one)] = tuple(self._evidence_of(columns, one.rising) for columns in one.variants)
@@ -410,9 +420,8 @@ class Deviation:
         return one.variants[int(np.argmax(self._by_variant(one)))]
 
     def _evidence_of(self, columns: Floats, rising: Floats) -> float:
-        white = columns / self.baseline.unit[:, None]
         pull = self._projected_pull(columns)
-        whole = np.eye(columns.shape[1]) + white.T @ self.precision @ white
+        whole = self._projected_precision(columns)
         found = 0.5 * float(pull @ np.linalg.solve(whole, pull)) - 0.5 * float(np.linalg.slogdet(whole)[1])
         if len(rising):
             mean, spread = self._posterior(columns)
@@ -423,8 +432,7 @@ class Deviation:
         return found
 
     def _posterior(self, columns: Floats) -> tuple[Floats, Floats]:
-        white = columns / self.baseline.unit[:, None]
-        spread = np.linalg.inv(np.eye(columns.shape[1]) + white.T @ self.precision @ white)
+        spread = np.linalg.inv(self._projected_precision(columns))
         return np.asarray(spread @ self._projected_pull(columns)), np.asarray(spread)
 
 
