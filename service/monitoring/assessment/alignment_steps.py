@@ -5,7 +5,7 @@ that growth. Within some weeks they hardly grow.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Any
@@ -53,6 +53,11 @@ class AlignmentStep:
     diagnosis: Diagnosis
     others: tuple[Cause, ...]
 
+    @property
+    def keys(self) -> frozenset[tuple[str, str]]:
+        """Return kind and element of the misalignment."""
+        return frozenset((one.kind, one.element) for one in self.diagnosis.causes)
+
 
 def alignment_steps(context: AssessmentContext, compared: BaselineComparison) -> Iterator[AlignmentStep]:
     """Yield the steps of couplings' alignments that the newest runs show, those of open alerts first.
@@ -74,6 +79,16 @@ def alignment_steps(context: AssessmentContext, compared: BaselineComparison) ->
                 found.add(cause.element)
                 others = tuple(one for one in diagnosis.causes if one is not cause)
                 yield AlignmentStep(comparison, Diagnosis((cause,), (runners_up,)), others)
+
+
+def step_begins_amid(step: AlignmentStep, began: Iterable[int]) -> bool:
+    """Return whether the runs before a step are unlike each other, as another cause began among them.
+
+    Their mean is that of no machine, so that nothing can be told against it. began: when other causes began [ns].
+    """
+    before = step.comparison.before
+    times = [] if before is None else [run.measured_at for run in before.runs]
+    return any(min(times, default=at) < at <= max(times, default=at - 1) for at in began)
 
 
 def step_has_gone(context: AssessmentContext, compared: BaselineComparison, element: str) -> bool | None:

@@ -18,6 +18,7 @@ from service.monitoring.assessment.alignment_steps import (
     AlignmentStep,
     alignment_steps,
     is_off_baseline,
+    step_begins_amid,
     step_has_gone,
     with_step,
 )
@@ -112,6 +113,8 @@ def _with_steps(
     """Return the causes with the steps of couplings' alignments: each beside the change that the baseline shows, or alone."""
     known = {(one.cause.kind, one.cause.element): one for one in causes}
     for step in alignment_steps(context, compared):
+        if step_begins_amid(step, [one.began_at for key, one in known.items() if key not in step.keys]):
+            continue
         beside = [*(one.cause for one in causes), *step.others]
         (found,) = _causes(context, step.comparison, step.diagnosis, beside)
         key, size = (found.cause.kind, found.cause.element), _step_size(context, step, beside)

@@ -123,3 +123,13 @@ def test_wear_beside_an_offset_is_no_part_of_its_size_nor_of_its_step() -> None:
             for quantity, true in (("offset_vertical", 2e6 * STEPPED), ("offset_horizontal", 0.0)):
                 half = told[f"{step}{quantity}_half_width_um"]
                 assert told[f"{step}{quantity}_um"] == pytest.approx(true, abs=1.5 * half), f"{step}{quantity}"
+
+
+def test_no_step_is_told_against_runs_among_which_a_bearing_has_worn() -> None:
+    """Three healthy runs and three with the wear have no alignment in common that a step could be told against."""
+    of = context([0.0] * 3 + [STEPPED * 4] * 2, clearance=1.3)
+    found = {(one.cause.kind, one.cause.element): one.size.quantities for one in diagnosed(of).causes}
+    assert set(found) == {MISALIGNED, ("wear", "bearing.B3")}
+    told = found[MISALIGNED]
+    assert told["offset_vertical_um"] == pytest.approx(4e6 * STEPPED, abs=1.5 * told["offset_vertical_half_width_um"])
+    assert not has_step({"quantities": told})
