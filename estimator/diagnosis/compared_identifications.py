@@ -6,6 +6,8 @@ names is found first, and what it has moved is not held at the baseline's, as in
 
 from dataclasses import replace
 
+from msgspec import structs
+
 from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment
 from estimator.alignment.healthy_films import learnt_variation
 from estimator.diagnosis.alignment_size import MISALIGNMENT
@@ -17,7 +19,7 @@ from estimator.diagnosis.open_channels import estimate_beside
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
-from estimator.updated_model.model import UpdatedModel, model_at, updated_model
+from estimator.updated_model.model import UpdatedModel, updated_model
 
 
 def compared_identifications(
@@ -46,7 +48,7 @@ def compared_identifications(
     named = tuple((one.kind, one.element) for one in others)
     effects = later.channel_effects
     point, covariance = estimate_beside(later.point, later.covariance, effects, named, channels=machine.channels)
-    beside = model_at(machine, later.coordinates, point, covariance)
+    beside = updated_model(machine, structs.replace(later, point=point, covariance=covariance))
     return replace(compared_alignment([before], beside, coupling, causes=moving_causes(named)), others=named)
 
 

@@ -45,16 +45,25 @@ def machine() -> Machine:
 
 
 def gated(
-    one: Plant, seed: int, beginning: Identification | None, *, gains: Mapping[str, float] | None = None
+    one: Plant,
+    seed: int,
+    beginning: Identification | None,
+    *,
+    gains: Mapping[str, float] | None = None,
+    of: Machine | None = None,
 ) -> Identification:
-    """Identify a run of a plant through the gate; gains: factors on what single probes read [-]."""
+    """Identify a run of a plant through the gate.
+
+    gains: factors on what single probes read [-]. of: its machine; None for the one of these tests.
+    """
+    described = of or machine()
     measurement = measured(one, seed=seed)
-    reads = np.array([(gains or {}).get(channel, 1.0) for channel in machine().channels])
+    reads = np.array([(gains or {}).get(channel, 1.0) for channel in described.channels])
     measurement = structs.replace(measurement, phasor=measurement.phasor * reads)
     status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
-    run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, machine().channels)
+    run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, described.channels)
     begin = None if beginning is None else beginning.point
-    found = identify_gated(machine(), [run], [measurement], beginning=begin).identification
+    found = identify_gated(described, [run], [measurement], beginning=begin).identification
     assert found is not None
     return found
 

@@ -7,26 +7,21 @@ from functools import cache
 
 import numpy as np
 import pytest
-from msgspec import structs
 
-from estimator.diagnosis.observation import observed_fit
 from estimator.fit.identification import Identification
-from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
-from estimator.phasors.channel_status import ChannelStatus
-from estimator.phasors.recorded_run import RecordedRun
 from service.monitoring.assessment.assess import assess
-from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentBasis, AssessmentContext
+from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, AssessmentContext
 from service.monitoring.rules.limits import Limits
 from tests.film_plant.discrepancy import DiscrepancySize
-from tests.film_plant.documents import film_document, measured
+from tests.film_plant.documents import film_document
 from tests.film_plant.misalignment import ONE_SUPPLY
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import Priors, random_plant
+from tests.film_plant.plants import random_plant
 from tests.film_plant.scatter import run_of
+from tests.film_plant_tests.test_film_diagnosis import WIDE, assessed, gated
 
 SEED, BASELINE = 16, 6
-WIDE = Priors(elevation=150e-6, rigid_elevation=150e-6)
 
 
 @cache
@@ -41,15 +36,9 @@ def machine() -> Machine:
 
 def run(number: int, *, seed: int, gain: float, first: Identification | None) -> tuple[AssessedRun, Identification]:
     """Identify a run in which probe B2X reads by a factor too much."""
-    measurement = measured(run_of(plant(), np.random.default_rng([SEED, seed])), seed=seed)
-    reads = np.where(np.array(machine().channels) == "B2X", gain, 1.0)
-    measurement = structs.replace(measurement, phasor=measurement.phasor * reads)
-    status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
-    recorded = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, machine().channels)
-    begin = None if first is None else first.point
-    found = identify_gated(machine(), [recorded], [measurement], beginning=begin).identification
-    assert found is not None
-    return AssessedRun(number, number * WEEK, {}, observed_fit(found)), found
+    varied = run_of(plant(), np.random.default_rng([SEED, seed]))
+    found = gated(varied, seed, first, gains={"B2X": gain}, of=machine())
+    return assessed(number, found), found
 
 
 @cache

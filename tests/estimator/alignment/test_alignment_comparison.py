@@ -7,6 +7,7 @@ from estimator.alignment.alignment_change import changed_alignment
 from estimator.alignment.alignment_comparison import AlignmentComparison, compared_alignment
 from estimator.alignment.run_change import run_change
 from estimator.alignment.tolerance import tolerated_changes
+from estimator.arrays import Floats
 from estimator.diagnosis.compared_identifications import compared_identifications
 from estimator.fit.identification import Identification
 from estimator.fit.validation.doubted_force import DoubtedForce
@@ -39,23 +40,30 @@ def test_a_healthy_machine_is_seldom_said_to_have_changed_although_four_numbers_
     assert sum(alone) > 0.15 * TRIALS, "each number by itself at 95 % would have been told too often"
 
 
-def test_a_load_that_both_fits_doubt_moves_the_loads_on_films_with_it() -> None:
+@pytest.mark.parametrize("wear", [0.0, 0.3])
+def test_a_load_that_both_fits_doubt_moves_the_loads_on_films_with_it(wear: float) -> None:
+    """Beside a bearing that is named as worn, too. wear: growth of the logarithm of its clearance [-]."""
     load = StaticLoad.model_validate({"id": "gear", "shaft": "S1", "station": 0.5, "force_y": 100.0})
     machine = MODEL.machine.model_copy(update={"static_loads": (load,)})
     names, covariance = COORDINATES.names, np.diag((0.1 * COORDINATES.unit * COORDINATES.spread) ** 2)
 
-    def fit(*forces: DoubtedForce) -> Identification:
+    worn = wear * np.array([name == "bearing.B2.clearance" for name in names])
+
+    def fit(*forces: DoubtedForce, wear: Floats | float = 0.0) -> Identification:
         return identification(
             estimates=(),
             coordinates=names,
-            point=MODEL.values,
+            point=MODEL.values + wear,
             covariance=covariance,
             channel_effects=effects(len(names)),
             doubted_forces=forces,
         )
 
     doubted = DoubtedForce(FORCE, 200.0, np.zeros(len(names)))
-    plain, open_load = (compared_identifications(machine, one, one, "C1") for one in (fit(), fit(doubted)))
+    plain, open_load = (
+        compared_identifications(machine, fit(*forces), fit(*forces, wear=worn), "C1") for forces in ((), (doubted,))
+    )
+    assert plain.others == open_load.others == ((("wear", "bearing.B2"),) if wear else ())
     wider = [more.error / less.error for more, less in zip(open_load.loads, plain.loads, strict=True)]
     assert max(wider) > 1.05
 
