@@ -21,6 +21,8 @@ DAMPING_SPREAD = 0.15
 """Standard deviation by which a damping of a changed element differs from the others' common change [-]."""
 RUN_OUT = 0.3
 """Expected change of a run-out, each part, in units of the channel's median amplitude [-]."""
+LARGE_RUN_OUT = 10.0
+"""Expected size of a large one, such as a scratch under the probe, over the usual [-]."""
 
 TermKind = Literal["stiffness", "damping"]
 """Kind of the terms that change together."""
@@ -140,16 +142,18 @@ class ChangeColumns:
             columns[self.names.index(f"{name}.{part}"), column] = size
         return columns
 
-    def run_out_pair(self, probe: str) -> Floats:
-        """Return columns that change both parts of a probe's run-out.
+    def run_outs(self, probes: Sequence[str]) -> tuple[Floats, Floats]:
+        """Return columns that change both parts of the run-outs of p probes, by the usual size and by a large one.
 
         Args:
-            probe: Id of the probe.
+            probes: Ids of the probes.
 
         Returns:
-            Columns (N, 2) [m].
+            Columns (N, 2 p) of each size [m].
         """
-        return self.complex_pair(f"probe.{probe}.run_out", RUN_OUT * self._amplitude[probe])
+        pairs = [self.complex_pair(f"probe.{one}.run_out", RUN_OUT * self._amplitude[one]) for one in probes]
+        usual = np.concatenate(pairs, axis=1)
+        return usual, LARGE_RUN_OUT * usual
 
     def magnitude(self, name: str) -> float:
         """Return the magnitude of a complex quantity while the machine is healthy.

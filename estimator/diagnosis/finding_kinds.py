@@ -230,7 +230,7 @@ def _run_outs(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of the run-out of each channel."""
     for probe in columns.machine.probes:
         if columns.knows(f"probe.{probe.id}.run_out"):
-            yield ExpectedChange(f"probe.{probe.id}", (columns.run_out_pair(probe.id),))
+            yield ExpectedChange(f"probe.{probe.id}", columns.run_outs([probe.id]))
 
 
 def _bows(columns: ChangeColumns) -> Iterator[ExpectedChange]:
@@ -239,8 +239,7 @@ def _bows(columns: ChangeColumns) -> Iterator[ExpectedChange]:
         probes = [probe.id for probe in columns.machine.probes if probe.shaft == shaft.id]
         known = [one for one in probes if columns.knows(f"probe.{one}.run_out")]
         if len(known) > 1:
-            together = np.concatenate([columns.run_out_pair(one) for one in known], axis=1)
-            yield ExpectedChange(f"shaft.{shaft.id}", (together,))
+            yield ExpectedChange(f"shaft.{shaft.id}", columns.run_outs(known))
 
 
 def _run_out_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
@@ -337,7 +336,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
         moves=MovedCoordinates(ROTATING_ERRORS),
     ),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
-    FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size, errors=("run_out",)),
+    FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size, linear=True, errors=("run_out",)),
     FindingKind("sensor", ("probe",), "channels", changes=_gains, size=_gain_size, data_fault=lost_channels, errors=("gain",)),
     FindingKind("misfit", ("machine",), "data", fit_fault=misfit),
     FindingKind("outliers", ("machine",), "data", data_fault=many_outliers),

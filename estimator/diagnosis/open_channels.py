@@ -53,9 +53,11 @@ def estimate_beside(
         return point, covariance
     spread = np.array([_spread(effects.names[place], amplitude) for place in places])
     shift = effects.bias[:, places] * spread  # by an error of one standard deviation
-    known = effects.information[np.ix_(places, places)] * np.outer(spread, spread) + np.eye(len(places))
-    left = np.linalg.inv(known)
-    return point - shift @ (left @ (effects.score[places] * spread)), covariance + shift @ left @ shift.T
+    at = np.zeros(len(places)) if effects.at is None else effects.at[places] / spread
+    own = effects.information[np.ix_(places, places)] * np.outer(spread, spread)
+    left = np.linalg.inv(own + np.eye(len(places)))
+    error = left @ (effects.score[places] * spread + own @ at)
+    return point - shift @ (error - at), covariance + shift @ left @ shift.T
 
 
 def _spread(name: str, amplitude: dict[str, float]) -> float:

@@ -6,7 +6,7 @@ one adds to it only where what was found lasts through all of its runs: what sta
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -126,7 +126,7 @@ class RunWindows:
         whole = self._diagnosis(window)
         if any((cause.kind, cause.element) == (kind, element) for cause in whole.causes):
             return False
-        channels = faulty_channels(whole)
+        channels = faulty_channels(whole.causes)
         place = finding_kind(kind).place
         if not all(fits(one, channels) for one in window) and not finding_kind(kind).beside_fit:
             return place == "data" and all(one.accepted for one in window)
@@ -184,11 +184,11 @@ class RunWindows:
     def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
         """Find causes in the machine, in its channels and in the data; none of the machine where no fit explains the runs."""
         found = self._explanation(window)
-        channels = faulty_channels(found)
+        channels = faulty_channels(found.causes)
         if not all(fits(one, channels) for one in window):
             kept = [i for i, cause in enumerate(found.causes) if finding_kind(cause.kind).beside_fit]
             found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
-        beside = tuple(self._data_causes(window, faulty_channels(found)))
+        beside = tuple(self._data_causes(window, faulty_channels(found.causes)))
         return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
 
     def _data_causes(self, window: Sequence[Observation], channels: frozenset[str]) -> Iterator[Cause]:
@@ -239,17 +239,31 @@ def runs_agree(cause: Cause, *, needed: int) -> bool:
     return math.fsum(cause.agreement) - most >= min(STRONG, max(OTHER_RUNS, OTHER_PART * most))
 
 
-def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:
-    """Return the channels and couplings whose errors, which fits leave out, a diagnosis names.
+def faulty_channels(causes: Iterable[Cause]) -> frozenset[str]:
+    """Return the channels and couplings whose errors, which fits leave out, some causes are.
 
     Args:
-        diagnosis: The diagnosis.
+        causes: The causes.
 
     Returns:
         Ids of the channels, and names of the couplings.
     """
-    names = (name for cause in diagnosis.causes if finding_kind(cause.kind).beside_fit for name in cause.names)
+    names = (name for cause in causes if finding_kind(cause.kind).beside_fit for name in cause.names)
     return frozenset(of for name in names if (of := describe(name).error_of) is not None)
+
+
+def newest_that_fits(runs: Sequence[Observation], causes: Iterable[Cause]) -> int:
+    """Return the place of the newest run that its fit explains, with what causes have to do with channels allowed for.
+
+    Args:
+        runs: Observations of the runs, oldest first.
+        causes: Causes that a diagnosis names.
+
+    Returns:
+        Index of the run, -1 for the newest where none fits.
+    """
+    channels = faulty_channels(causes)
+    return next((place for place in reversed(range(len(runs))) if fits(runs[place], channels)), -1)
 
 
 def _data_cause(kind: FindingKind, fault: DataFault) -> Cause:

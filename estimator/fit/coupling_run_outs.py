@@ -8,10 +8,10 @@ stays refused: its document has no run-out.
 """
 
 import numpy as np
-from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.fit.explained_fit import ExplainedFit
 from estimator.fit.large_gain_errors import channel_effects_at_large_gain
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
@@ -23,27 +23,7 @@ from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS,
 from estimator.rotor.condensation import condense
 
 
-class RunOutFit(Struct, frozen=True, eq=False):
-    """Outcome of an accepted fit with run-outs of couplings, over the n coordinates of the fit without them.
-
-    Attributes:
-        point: Values (n,) of the coordinates [SI or 1].
-        covariance: Covariance (n, n) of these, the run-outs being what they are [SI² or 1].
-        effects: Effects of errors of channels and couplings, at the run-outs that were found.
-        refused_chi_square: χ² of the phasors as the curvature says it is without run-outs [-].
-        outlier: True for phasors left out (S, m).
-        words: What explains the data.
-    """
-
-    point: Floats
-    covariance: Floats
-    effects: ChannelEffects
-    refused_chi_square: float
-    outlier: NDArray[np.bool_]
-    words: str
-
-
-def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunOutFit | None:
+def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> ExplainedFit | None:
     """Fit a refused problem again with the run-outs of its couplings (module's docstring).
 
     Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
@@ -76,7 +56,7 @@ def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunO
     return _run_out_fit(whole, found, own)
 
 
-def _run_out_fit(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> RunOutFit:
+def _run_out_fit(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> ExplainedFit:
     """Return what a fit with run-outs says, these counted among the errors that a fit without them leaves out."""
     coordinates, effects = whole.coordinates, channel_effects_at_large_gain(whole, found)
     turning = np.setdiff1d(np.arange(coordinates.size), own)
@@ -105,7 +85,8 @@ def _run_out_fit(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> 
     names = sorted({describe(coordinates.names[place]).element_id for place in turning})
     words = f"with the run-out of coupling {', '.join(names)}, which turns with the shaft, it would be accepted"
     refused = found.chi_square + float(at @ told.information @ at)
-    return RunOutFit(point[own], (covariance + covariance.T) / 2, told, refused, found.outlier, words)
+    freedom = judge(whole, found).degrees_of_freedom
+    return ExplainedFit(point[own], (covariance + covariance.T) / 2, told, refused, freedom, found.outlier, words)
 
 
 def _rank(name: str) -> tuple[str, int, int]:

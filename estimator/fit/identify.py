@@ -16,7 +16,9 @@ from estimator.fit.changed_coefficients import (
     without_gains_of_calibration,
 )
 from estimator.fit.conclusion import conclude, outliers_by_channel
-from estimator.fit.coupling_run_outs import RunOutFit, fit_with_run_outs
+from estimator.fit.coupling_run_outs import fit_with_run_outs
+from estimator.fit.explained_fit import ExplainedFit
+from estimator.fit.faulty_channel import fit_with_channel_errors
 from estimator.fit.fit_samples import (
     NotEnoughData,
     carried_by_films,
@@ -129,16 +131,16 @@ def identify_train(
     changed = _changed_since_calibration(one, fitted)
     if changed is not None:
         return changed
-    return one.found if one.other is None else _explained_by_run_outs(one.problem, one.found, one.other)
+    return one.found if one.other is None else _explained(one.problem, one.found, one.other)
 
 
 class _TrainFit(Struct, frozen=True, eq=False):
-    """Fit of a train: its problem, the best of its starts, what is concluded, and a fit with run-outs of couplings."""
+    """Fit of a train: its problem, the best of its starts, what is concluded, and one with errors of channels or couplings."""
 
     problem: FitProblem
     best: BestFit
     found: Identification
-    other: RunOutFit | None
+    other: ExplainedFit | None
 
     def criterion(self, *, held: int) -> float:
         """Return the information criterion beside fits that a calibration of so many parameters holds otherwise [-]."""
@@ -168,7 +170,9 @@ def _fitted(
     other, finished = None, not is_unfinished(problem, best.fit)
     fits = judge(problem, best.fit).accepted
     if finished and (not fits or deviates_too_far(problem, best.fit)):
-        other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
+        other = fit_with_channel_errors(problem, best.fit, begin)
+        if other is None:
+            other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
     if not fits and other is None and begin is not None and options.starts > 1:
         best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
@@ -224,14 +228,15 @@ def _best_of(problem: FitProblem, begin: Floats | None, options: Options, *, sta
     )
 
 
-def _explained_by_run_outs(problem: FitProblem, found: Identification, other: RunOutFit) -> Identification:
-    """Return a refused fit with what one that was accepted with run-outs of couplings says of the machine."""
+def _explained(problem: FitProblem, found: Identification, other: ExplainedFit) -> Identification:
+    """Return a refused fit with what one that was accepted with errors of a channel or couplings says of the machine."""
     return replace(
         found,
         point=other.point,
         covariance=other.covariance,
         doubted_forces=(),
         chi_square=other.refused_chi_square,
+        degrees_of_freedom=other.degrees_of_freedom,
         verdict=f"{found.verdict}; {other.words}",
         outliers=outliers_by_channel(problem, other.outlier),
         channel_effects=other.effects,

@@ -7,8 +7,6 @@ likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machin
 stays as it is: what it leaves out moves it from that point to its own along the secant between both.
 """
 
-import math
-
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
@@ -16,8 +14,7 @@ from msgspec.structs import replace
 from estimator.arrays import Floats
 from estimator.fit.optimisation.maximum_likelihood import fit
 from estimator.fit.optimisation.reweighting import with_fitted_noise
-from estimator.fit.problem.channel_coordinates import ChannelCoordinates
-from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.channel_errors import UNIT_SPREAD, with_channel_errors
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import MOSTLY_LEFT_OUT, ChannelEffects, channel_effects
 from estimator.machine.parameter_description import COMPONENTS
@@ -49,8 +46,7 @@ class _GainError(Struct, frozen=True, eq=False):
 def channel_effects_at_large_gain(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
     """Compute the effects of errors of channels, beyond first order of the one gain that is clearly off (module's docstring).
 
-    Fits whose coefficients follow the speed, as on oil films, calibrated ones and those that have given up a channel are told
-    to first order, as are all without such a gain.
+    Calibrated fits and those that have given up a channel are told to first order, as are all without such a gain.
 
     Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
 
@@ -64,10 +60,11 @@ def channel_effects_at_large_gain(problem: FitProblem, found: FitResult, *, infl
     """
     effects = channel_effects(problem, found, inflation=inflation)
     own = problem.coordinates
-    clearest = None if own.models or own.calibrated is not None else _clearest(problem, found, effects)
+    clearest = None if own.calibrated is not None else _clearest(problem, found, effects)
     if clearest is None or clearest.fall * inflation < CLEAR_FALL or clearest.size < LARGE_GAIN:
         return effects
-    free = with_fitted_noise(problem.with_channels(_with_gain(own, clearest), found.theta), found)
+    behind = with_channel_errors(own, problem.train.channels, [("gain", clearest.channel)], spread=UNIT_SPREAD)
+    free = with_fitted_noise(problem.with_channels(behind, found.theta), found)
     again = fit(free, np.concatenate([found.theta, np.zeros(len(clearest.names))]), near=True)
     if not again.converged or again.misfit >= found.misfit:
         return effects
@@ -96,22 +93,6 @@ def _clearest(problem: FitProblem, found: FitResult, effects: ChannelEffects) ->
         gain = np.linalg.lstsq(effects.information[np.ix_(places, places)], effects.score[places])[0]
         errors.append(_GainError(channel, names, places, float(gain @ effects.score[places]), float(np.hypot(*gain))))
     return max(errors, key=lambda one: one.fall, default=None)
-
-
-def _with_gain(coordinates: Coordinates, error: _GainError) -> Coordinates:
-    """Return coordinates with a channel's gain behind the others, with a prior of unit size."""
-    gain, more = coordinates.channels.gain.copy(), np.zeros(len(error.names))
-    gain[error.channel] = coordinates.size
-    unit = np.concatenate([coordinates.unit, more + 1.0])
-    return replace(
-        coordinates,
-        names=(*coordinates.names, *error.names),
-        centre=np.concatenate([coordinates.centre, more]),
-        spread=np.concatenate([coordinates.spread, more + math.sqrt(0.5)]),
-        origin=np.concatenate([coordinates.origin, more]),
-        unit=unit,
-        channels=ChannelCoordinates(gain=gain, run_out=coordinates.channels.run_out, unit=unit),
-    )
 
 
 def _about(told: ChannelEffects, moved: Floats, places: list[int], gain: Floats) -> ChannelEffects:

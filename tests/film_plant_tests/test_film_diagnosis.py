@@ -50,16 +50,19 @@ def gated(
     beginning: Identification | None,
     *,
     gains: Mapping[str, float] | None = None,
+    run_outs: Mapping[str, complex] | None = None,
     of: Machine | None = None,
 ) -> Identification:
     """Identify a run of a plant through the gate.
 
-    gains: factors on what single probes read [-]. of: its machine; None for the one of these tests.
+    gains: factors on what single probes read [-]. run_outs: what is added to that [m]. of: its machine; None for the one of
+    these tests.
     """
     described = of or machine()
     measurement = measured(one, seed=seed)
     reads = np.array([(gains or {}).get(channel, 1.0) for channel in described.channels])
-    measurement = structs.replace(measurement, phasor=measurement.phasor * reads)
+    added = np.array([(run_outs or {}).get(channel, 0.0) for channel in described.channels])
+    measurement = structs.replace(measurement, phasor=measurement.phasor * reads + added)
     status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
     run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, described.channels)
     begin = None if beginning is None else beginning.point
@@ -79,10 +82,17 @@ def assessed(number: int, one: Identification) -> AssessedRun:
     return AssessedRun(number, number * WEEK, {}, observed_fit(one))
 
 
-def diagnosed(change: PlantChange, *, runs: int = 2, gains: Mapping[str, float] | None = None) -> MachineDiagnosis:
+def diagnosed(
+    change: PlantChange,
+    *,
+    runs: int = 2,
+    gains: Mapping[str, float] | None = None,
+    run_outs: Mapping[str, complex] | None = None,
+) -> MachineDiagnosis:
     """Diagnosis of the newest runs of the plant after something has happened to it."""
     rng, later = np.random.default_rng(3), change(plant())
-    after = [gated(run_of(later, rng), 100 + number, baseline()[0], gains=gains) for number in range(runs)]
+    first = baseline()[0]
+    after = [gated(run_of(later, rng), 100 + number, first, gains=gains, run_outs=run_outs) for number in range(runs)]
     context = AssessmentContext(
         machine=machine(),
         limits=Limits(),
@@ -96,6 +106,10 @@ def diagnosed(change: PlantChange, *, runs: int = 2, gains: Mapping[str, float] 
     found = assess(context).diagnosis
     assert found is not None
     return found
+
+
+def sizes(found: MachineDiagnosis) -> dict[tuple[str, str], Mapping[str, float]]:
+    return {(one.cause.kind, one.cause.element): one.size.quantities for one in found.causes}
 
 
 def sunk(by: float) -> PlantChange:
@@ -192,10 +206,9 @@ def test_the_run_out_of_a_rigid_coupling_is_named_with_its_size(change: PlantCha
 @pytest.mark.long
 def test_an_offset_beside_a_probe_that_reads_too_much_is_told_with_intervals_that_hold() -> None:
     """Held at what the document says, the gain would be told as a horizontal offset and as angles."""
-    causes = diagnosed(sunk(40e-6), gains={"B2X": 1.08}).causes
-    sizes = {(one.cause.kind, one.cause.element): one.size.quantities for one in causes}
-    assert set(sizes) == {("misalignment", "coupling.C1"), ("sensor", "probe.B2X")}
-    told = sizes["misalignment", "coupling.C1"]
+    found = sizes(diagnosed(sunk(40e-6), gains={"B2X": 1.08}))
+    assert set(found) == {("misalignment", "coupling.C1"), ("sensor", "probe.B2X")}
+    told = found["misalignment", "coupling.C1"]
     for quantity, true in (("offset_vertical", -40.0), ("offset_horizontal", 0.0)):
         assert told[f"{quantity}_um"] == pytest.approx(true, abs=1.5 * told[f"{quantity}_half_width_um"]), quantity
     for quantity in ("angle_vertical", "angle_horizontal"):
@@ -218,3 +231,29 @@ def test_a_comparison_beside_a_probe_that_reads_too_much_leaves_open_what_that_h
     told = {one.name.rpartition(".")[2]: one for one in found.changes}
     for quantity, true in (("offset_vertical", -40e-6), ("offset_horizontal", 0.0)):
         assert told[quantity].value == pytest.approx(true, abs=1.5 * told[quantity].half), quantity
+
+
+@pytest.mark.parametrize("size", [0.7, pytest.param(2.0, marks=pytest.mark.long), 15.0])
+def test_a_run_out_of_one_probe_is_told_with_its_size_and_nothing_else_is(size: float) -> None:
+    """Films may take up a small one by deviating; a large one leaves nothing of the channel."""
+    found = diagnosed(lambda one: one, run_outs={"B4X": size * 1e-6 * np.exp(0.7j)})
+    assert found.causes[0].size.parts[0].value == pytest.approx(size, rel=0.1, abs=0.06)
+    assert set(sizes(found)) == {("run_out", "probe.B4X")}
+
+
+@pytest.mark.parametrize(
+    ("run_outs", "gains", "fault"),
+    [
+        ({"B2X": 4e-6 + 2e-6j}, None, ("run_out", "probe.B2X")),
+        pytest.param(None, {"B2X": 1.2}, ("sensor", "probe.B2X"), marks=pytest.mark.long),
+    ],
+    ids=["run-out", "gain"],
+)
+def test_a_misalignment_shows_beside_a_probe_for_which_no_fit_is_accepted(
+    run_outs: dict[str, complex] | None, gains: dict[str, float] | None, fault: tuple[str, str]
+) -> None:
+    told = sizes(diagnosed(sunk(60e-6), run_outs=run_outs, gains=gains))
+    assert set(told) == {("misalignment", "coupling.C1"), fault}
+    offset = told["misalignment", "coupling.C1"]
+    assert offset["offset_vertical_um"] == pytest.approx(-60.0, abs=1.5 * offset["offset_vertical_half_width_um"])
+    assert offset["offset_vertical_half_width_um"] < 15.0

@@ -7,8 +7,7 @@ doi:10.1017/S0305004100023987), from one more linearisation at the fitted point.
 changing bearing by this, and a coupling's run-out, which turns with the shaft, from an unbalance.
 """
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from msgspec import Struct
@@ -17,8 +16,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.optimisation.reweighting import with_fitted_noise
-from estimator.fit.problem.channel_coordinates import ChannelCoordinates
-from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.channel_errors import with_every_channel
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
@@ -30,8 +28,6 @@ from estimator.rotor.response import excitation_responses
 
 MOSTLY_LEFT_OUT = 0.3
 """Part of a channel's phasors [-]; where more was left out, the channel itself is at fault and all of its phasors are used."""
-RUN_OUT_UNIT = 1e-6
-"""Unit [m] of run-outs while the matrices are built, so that they are of the size of everything else."""
 LARGE = RotatingError(offset_spread=1e-4, angle_spread=1e-3)
 """Run-outs of which hardly anything is believed."""
 ROTATING_UNIT = {"rotating_offset": 1e-6, "rotating_angle": 1e-5}
@@ -224,32 +220,3 @@ def with_run_outs(machine: Machine, *, keep: bool) -> Machine | None:
         for one in machine.couplings
     )
     return machine.model_copy(update={"couplings": couplings})
-
-
-def with_every_channel(coordinates: Coordinates, channels: Sequence[str]) -> Coordinates:
-    """Return coordinates with the gains and run-outs of all channels; those that were missing are appended.
-
-    Args:
-        coordinates: The coordinates.
-        channels: Ids of the m channels.
-
-    Returns:
-        The coordinates; those that are added have a prior of unit size.
-    """
-    names, unit = list(coordinates.names), list(coordinates.unit)
-    places = {"gain": coordinates.channels.gain.copy(), "run_out": coordinates.channels.run_out.copy()}
-    for (what, place), size in zip(places.items(), (1.0, RUN_OUT_UNIT), strict=True):
-        for channel in np.flatnonzero(place < 0).tolist():
-            place[channel] = len(names)
-            names += [f"probe.{channels[channel]}.{what}.{part}" for part in ("real", "imaginary")]
-            unit += [size, size]
-    more = len(names) - coordinates.size
-    return replace(
-        coordinates,
-        names=tuple(names),
-        centre=np.concatenate([coordinates.centre, np.zeros(more)]),
-        spread=np.concatenate([coordinates.spread, np.full(more, math.sqrt(0.5))]),
-        origin=np.concatenate([coordinates.origin, np.zeros(more)]),
-        unit=np.array(unit),
-        channels=ChannelCoordinates(gain=places["gain"], run_out=places["run_out"], unit=np.array(unit)),
-    )

@@ -11,7 +11,7 @@ from statistics import fmean
 from typing import Any
 
 from estimator.diagnosis.bayes_factors import Diagnosis
-from estimator.diagnosis.data_faults import is_uninformative
+from estimator.diagnosis.data_faults import fits, is_uninformative
 from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart, is_step_beside
 from estimator.diagnosis.observation import Observation
@@ -59,14 +59,17 @@ class AlignmentStep:
         return frozenset((one.kind, one.element) for one in self.diagnosis.causes)
 
 
-def alignment_steps(context: AssessmentContext, compared: BaselineComparison) -> Iterator[AlignmentStep]:
+def alignment_steps(
+    context: AssessmentContext, compared: BaselineComparison, channels: frozenset[str]
+) -> Iterator[AlignmentStep]:
     """Yield the steps of couplings' alignments that the newest runs show, those of open alerts first.
 
-    compared: comparison with the baseline; of trains without oil films nothing is yielded.
+    compared: comparison with the baseline; of trains without oil films nothing is yielded. channels: ids of the channels
+    whose errors fits may rest on.
     """
     if compared.variation is None:
         return
-    runs = _film_runs(context, compared)
+    runs = _film_runs(context, compared, channels)
     if not runs or runs[-1][0].id != context.after[-1].id:
         return
     found: set[str] = set()
@@ -91,12 +94,17 @@ def step_begins_amid(step: AlignmentStep, began: Iterable[int]) -> bool:
     return any(min(times, default=at) < at <= max(times, default=at - 1) for at in began)
 
 
-def step_has_gone(context: AssessmentContext, compared: BaselineComparison, element: str) -> bool | None:
-    """Return whether the newest runs no longer show the step of an open alert; None where none is known of."""
+def step_has_gone(
+    context: AssessmentContext, compared: BaselineComparison, element: str, channels: frozenset[str]
+) -> bool | None:
+    """Return whether the newest runs no longer show the step of an open alert; None where none is known of.
+
+    channels: ids of the channels whose errors fits may rest on.
+    """
     began = context.open_steps.get(element)
     if began is None or compared.variation is None:
         return None
-    comparison = _compared_since(context.machine, _film_runs(context, compared), began, compared.variation)
+    comparison = _compared_since(context.machine, _film_runs(context, compared, channels), began, compared.variation)
     if comparison is None:
         return None
     off_delay = delays(context.limits, MISALIGNMENT.name, element)[1]
@@ -147,18 +155,18 @@ def is_off_baseline(size: ChangeSize, step: ChangeSize) -> bool:
 
 
 _FilmRuns = Sequence[tuple[AssessedRun, Observation]]
-"""Accepted runs with their observations, oldest first, those of the baseline first."""
+"""Runs that their fits explain, with their observations, oldest first, those of the baseline first."""
 
 
-def _film_runs(context: AssessmentContext, compared: BaselineComparison) -> _FilmRuns:
+def _film_runs(context: AssessmentContext, compared: BaselineComparison, channels: frozenset[str]) -> _FilmRuns:
     """Return the newest runs that a step is looked for in; with open steps all, since these may have begun with any."""
     machine, names = context.machine, compared.watch.reference.names
     enough = math.inf if context.open_steps else MOST_BEFORE + max(_windows(context), default=0)
     found: list[tuple[AssessedRun, Observation]] = []
     for run in reversed([*context.baseline, *context.after]):
-        if run.fit.accepted and len(found) < enough and is_of_films(run.fit, machine):
+        if len(found) < enough and is_of_films(run.fit, machine):
             said = film_observation(run.fit, machine, run.conditions)
-            if said.names == names and not is_uninformative(said):
+            if said.names == names and fits(said, channels) and not is_uninformative(said):
                 found.insert(0, (run, said))
     return found
 

@@ -8,8 +8,10 @@ import numpy as np
 from estimator.diagnosis.alignment_size import alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.change_progress import ChangeProgress, change_progress
+from estimator.diagnosis.data_faults import fits
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
+from estimator.diagnosis.run_windows import faulty_channels, newest_that_fits
 from estimator.diagnosis.severity_measures import change_form, change_size
 from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import adjustment
@@ -66,7 +68,7 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
     diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     whole = compared.whole() if diagnosis.causes and compared.whole is not None else None
     causes = _with_steps(context, compared, _causes(context, whole or compared, diagnosis))
-    gone = _cleared_causes(context, compared, frozenset((one.cause.kind, one.cause.element) for one in causes))
+    gone = _cleared_causes(context, compared, [one.cause for one in causes])
     moved = moved_parameters(context, parameter_units(context.machine)) if causes else ()
     return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, gone, moved)
 
@@ -112,7 +114,7 @@ def _with_steps(
 ) -> tuple[DiagnosedCause, ...]:
     """Return the causes with the steps of couplings' alignments: each beside the change that the baseline shows, or alone."""
     known = {(one.cause.kind, one.cause.element): one for one in causes}
-    for step in alignment_steps(context, compared):
+    for step in alignment_steps(context, compared, faulty_channels(one.cause for one in causes)):
         if step_begins_amid(step, [one.began_at for key, one in known.items() if key not in step.keys]):
             continue
         beside = [*(one.cause for one in causes), *step.others]
@@ -189,10 +191,11 @@ def _progress(
         part = float(np.linalg.norm(of.change / compared.watch.reference.unit_of(of.names))) / max(length, 1e-300)
         return None if now is None else part * now
 
+    channels = faulty_channels([cause, *others])
     runs = [
         (run.measured_at / WEEK, one)
         for run, one in zip(compared.after[place:], compared.observations[place:], strict=True)
-        if run.fit.accepted
+        if fits(one, channels)
     ]
     limit = danger_limit(context.limits, cause.kind, cause.element, change.size)
     return change_progress(compared.watch.reference, cause, others, runs, size=size, limit=limit)
@@ -211,23 +214,24 @@ def _size(
     """
     if cause.kind != MISALIGNMENT.name or compared.variation is None:
         return change_size(cause, compared.watch.reference, amplitude=amplitude)
-    newest = next((run for run in reversed(compared.after) if run.fit.accepted), compared.after[-1])
+    newest = compared.after[newest_that_fits(compared.observations, together)]
     models = [run_model(context.machine, run) for run in context.baseline]
     now = run_model(context.machine, newest, beside=together)
     return alignment_size(cause, models, now, variation=compared.variation, causes=together)
 
 
 def _cleared_causes(
-    context: AssessmentContext, compared: BaselineComparison, seen: frozenset[tuple[str, str]]
+    context: AssessmentContext, compared: BaselineComparison, found: Sequence[Cause]
 ) -> frozenset[tuple[str, str]]:
     """Return the open causes that have gone; one that is still found, but below its limit less the hysteresis, has gone
-    too. seen: kind and element of those that are found."""
+    too."""
+    seen, channels = {(one.kind, one.element) for one in found}, faulty_channels(found)
 
     def is_gone(kind: str, element: str) -> bool:
         off_delay = delays(context.limits, kind, element)[1]
         if (kind, element) in seen:
             return True
-        step_gone = step_has_gone(context, compared, element) if kind == MISALIGNMENT.name else None
+        step_gone = step_has_gone(context, compared, element, channels) if kind == MISALIGNMENT.name else None
         if step_gone is not None:
             return step_gone
         return compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay)

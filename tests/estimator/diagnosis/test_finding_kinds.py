@@ -42,6 +42,6 @@ def test_a_finding_lies_somewhere() -> None:
 def test_each_kind_is_declared_once() -> None:
     kinds = [one.kind for one in FINDING_KINDS]
     assert len(set(kinds)) == len(kinds) == 18
-    assert [one.kind for one in FINDING_KINDS if one.linear] == ["unbalance", "rotating_coupling"]
+    assert [one.kind for one in FINDING_KINDS if one.linear] == ["unbalance", "rotating_coupling", "run_out"]
     with pytest.raises(KeyError):
         finding_kind("rub")

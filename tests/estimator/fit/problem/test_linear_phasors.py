@@ -4,10 +4,10 @@ import numpy as np
 from msgspec.structs import replace
 
 from estimator.fit.optimisation.maximum_likelihood import bend
+from estimator.fit.problem.channel_errors import with_every_channel
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.fit.problem.linear_phasors import PhasorMemory
-from estimator.fit.validation.channel_sensitivity import with_every_channel
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
