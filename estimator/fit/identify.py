@@ -36,6 +36,7 @@ from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem
 from estimator.fit.problem_setup import condensed_problem
 from estimator.fit.validation.calibration_conflict import calibration_conflict
+from estimator.fit.validation.form_discrepancy import needs_form
 from estimator.fit.validation.goodness_of_fit import is_unfinished, judge
 from estimator.fit.validation.identifiability import Reasons, reasons_for
 from estimator.fit.validation.physical_limits import LimitsFunction, limits_for
@@ -225,6 +226,7 @@ def _best_of(problem: FitProblem, begin: Floats | None, options: Options, *, sta
         unfinished=lambda found: is_unfinished(problem, found),
         beginning=begin,
         twice=few and begin is None and not problem.coordinates.calibrated_places,
+        held_first=needs_form(problem),
     )
 
 

@@ -198,6 +198,9 @@ VERDICTS: Mapping[str, str] = {
         "klingt eine Mode von {frequency} Schwingungen je Minute auf (Dämpfungsgrad {ratio})"
     ),
     "the shaft leaves its bearings without oscillating": "verlässt die Welle ihre Lager, ohne zu schwingen",
+    "with another gain and run-out of probe {name} it would be accepted": (
+        "mit einer anderen Verstärkung und einem anderen Rundlauffehler des Aufnehmers {name} würde es angenommen"
+    ),
     "with the run-out of coupling {names}, which turns with the shaft, it would be accepted": (
         "mit einem Rundlauffehler der Kupplung {names}, der mit der Welle umläuft, würde es angenommen"
     ),

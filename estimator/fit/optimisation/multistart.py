@@ -26,6 +26,8 @@ MOST_CONTINUED = 2
 """Most times that a fit goes on in the valley in which it has not converged."""
 CANDIDATES = 12
 """Number of random candidates from which each start after the first is the best."""
+HELD_FACTOR = 10.0
+"""Factor by which spreads are smaller in a fit that is held near the document's values [-]."""
 GUESSED_CANDIDATES = 60
 """Number of random candidates where the document leaves nominal values out."""
 GUESSED_SPREAD = 1.5
@@ -73,6 +75,7 @@ def best_fit(
     twice: bool = False,
     passes: int = FINAL_PASSES,
     begin: Completion = best_excitations,
+    held_first: bool = False,
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
@@ -88,6 +91,7 @@ def best_fit(
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
         begin: Function that completes the coefficients of a start by what follows from them linearly.
+        held_first: Whether the first start from the nominal values is one held near these (`_held_near_document`).
 
     Returns:
         The best fit.
@@ -101,7 +105,10 @@ def best_fit(
     give_up_from, iterations = math.inf, 0
     for start_number in range(1, max(1, starts) + 1):
         given = beginning if start_number == 1 else None
-        start = given if given is not None else chosen_start(problem, rng, first=start_number == 1, begin=begin)
+        if given is None and held_first and start_number == 1 and not problem.coordinates.guessed.any():
+            given = _held_near_document(problem, chosen_start(problem, rng, first=True, begin=begin))
+        nominal = start_number == (2 if held_first and beginning is None else 1)
+        start = given if given is not None else chosen_start(problem, rng, first=nominal, begin=begin)
         found = fit(problem, start, near=given is not None, give_up_from=give_up_from, passes=passes)
         found = found if twice else _continued(problem, found, unfinished, passes)
         iterations += found.iterations
@@ -122,6 +129,18 @@ def best_fit(
     if best is None:
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
     return BestFit(best, start_number, iterations, _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None)
+
+
+def _held_near_document(problem: FitProblem, start: Floats) -> Floats:
+    """Return where a fit ends that is held near the document's values: its spreads are smaller by a factor.
+
+    Coefficients that follow the speed leave many directions open in which a fit with the document's own spreads may run far
+    away into another optimum, such as one with absurd damping of a coupling.
+    """
+    coordinates = problem.coordinates
+    calibrated = None if coordinates.calibrated is None else coordinates.calibrated * HELD_FACTOR**2
+    held = replace(coordinates, spread=coordinates.spread / HELD_FACTOR, calibrated=calibrated)
+    return fit(replace(problem, coordinates=held), start, passes=1).theta
 
 
 def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitResult], bool], passes: int) -> FitResult:

@@ -334,8 +334,9 @@ def without_growing_modes(
 ) -> tuple[FitResult, LeastDampedMode | None]:
     """Fit a train again without growing modes, from a fit that has one.
 
-    What the data leave open is drawn to the document's values until no mode grows. From there damped Gauss-Newton steps lower
-    the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical Optimization, 2006, ch. 17).
+    What the data leave open is drawn to the document's values until no mode grows. From there, and else from the fit itself,
+    damped Gauss-Newton steps lower the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical
+    Optimization, 2006, ch. 17).
 
     Args:
         limits: Limits of the machine.
@@ -354,8 +355,11 @@ def without_growing_modes(
     growing = sum(one.grows for one in limits.watched(found.theta))
     highest = _linearised(final, found.theta, weight)[0] + float(scipy.special.chdtri(growing, CHANCE))
     search = _Search(limits, final, weight, highest)
-    kept = search.run(search.nearer_to_document(found.theta))
-    return (found, first) if kept is None else (replace(found, theta=kept), None)
+    for start in (search.nearer_to_document, np.copy):
+        kept = search.run(start(found.theta))
+        if kept is not None:
+            return replace(found, theta=kept), None
+    return found, first
 
 
 class _Search:
