@@ -25,7 +25,7 @@ WELL_CONDITIONED = 1e5
 """Condition number up to which data show deviations that matter [-]."""
 CONFIRMED_SIZE = 0.01
 """Relative size up to which deviations are neglected, where the data rule out larger ones [-]."""
-EXPECTED_SIZE = 0.3
+EXPECTED_SIZE = 0.45
 """Largest relative size of deviations that is assumed where the data could show them in part [-]."""
 MARGIN = 3.0
 """Factor on the largest size that the data do not rule out [-]: real films deviate alike, those looked for do not."""
