@@ -82,7 +82,8 @@ def changed_alignment(change: RunChange) -> tuple[AlignmentChange, ...]:
         row = one.slope * coordinates.unit
         known = float(np.linalg.norm(row * coordinates.spread))
         changed, uncertain = float(row @ change.run), float(standard_errors(row, change.run_covariance))
-        found.append(AlignmentChange(one.name, one.unit, changed, uncertain, known, one.undefined))
+        undefined = one.undefined or change.left_open.get(one.name)
+        found.append(AlignmentChange(one.name, one.unit, changed, uncertain, known, undefined))
     return tuple(found)
 
 

@@ -8,14 +8,15 @@ be of another season, and what named causes have moved is another's (linear mixe
 before is a part of its alignment, and no error of it.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimator.alignment.compliant_couplings import compliant_couplings
 from estimator.alignment.freed_coordinates import MovingCause, freed_directions
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation, machine_precision
+from estimator.alignment.open_stiffness import open_alignments
 from estimator.alignment.run_likelihood import RunLikelihood, run_likelihood
 from estimator.alignment.season_of_run import season_of_run
 from estimator.arrays import Floats
@@ -44,6 +45,7 @@ class RunChange:
         run: Change (n,) of the later run: of its elevations, of what named causes have moved, and of what varies from run to
             run and over the seasons [-].
         run_covariance: Covariance (n, n) of that [-].
+        left_open: Offsets and angles that do not follow from it, by name, each with the reason.
     """
 
     later: UpdatedModel
@@ -51,6 +53,7 @@ class RunChange:
     before: Floats
     run: Floats
     run_covariance: Floats
+    left_open: Mapping[str, str]
 
 
 def run_change(
@@ -81,7 +84,8 @@ def run_change(
     Raises:
         ValueError: There is no baseline, or it is of another machine.
     """
-    *baseline, later = _in_common_coordinates([*baseline, later])
+    runs = _in_common_coordinates([*baseline, later])
+    *baseline, later = runs
     if not baseline or any(one.coordinates != later.coordinates for one in baseline):
         raise ValueError("changes need a baseline of at least one run of the same machine")
     coordinates = later.coordinates_at(np.ones(1))
@@ -104,7 +108,8 @@ def run_change(
     def in_season(season: HealthyVariation) -> RunChange:
         covariance = scales.over_seasons(season)
         covariance[moving], covariance[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
-        return _estimated(before, own, later, coordinates, np.column_stack([lasting, _columns(varying + covariance)]))
+        ways = np.column_stack([lasting, _columns(varying + covariance)])
+        return replace(_estimated(before, own, later, coordinates, ways), left_open=open_alignments(runs))
 
     found = in_season(chosen)
     if not scales.oil.any():
@@ -137,6 +142,7 @@ def _estimated(
         before=coordinates.centre + found[:size],
         run=ways @ found[size:],
         run_covariance=ways @ covariance[size:, size:] @ ways.T,
+        left_open={},
     )
 
 

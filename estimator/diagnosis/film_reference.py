@@ -14,6 +14,7 @@ import numpy as np
 from estimator.alignment.compliant_couplings import CompliantCouplings, compliant_couplings
 from estimator.alignment.film_loads import FilmLoads
 from estimator.alignment.healthy_films import coordinate_scales, machine_spread
+from estimator.alignment.open_stiffness import OPEN
 from estimator.alignment.run_likelihood import contained_prior
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
@@ -33,9 +34,6 @@ from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 
 STILL = 1e-3
 """Run-to-run standard deviation of a quantity that does not vary, such as a clearance, relative to its prior's [-]."""
-OPEN = 0.5
-"""Standard error of the logarithm of a coupling's stiffness from which on runs leave it open [-]: then each says how much the
-coupling gives way, as of a rigid one, and no more."""
 LEAST = 1e-9
 """Least run-to-run standard deviation of anything, such as an unbalance of zero [kg m]."""
 

@@ -33,6 +33,9 @@ OPEN_VALUES: Mapping[str, str] = {
     "only the form over speed that the document assumes determines it, and no data show whether that is true": (
         "nur die Form über der Drehzahl, die das Dokument annimmt, bestimmt es, und keine Daten zeigen, ob sie stimmt"
     ),
+    "single runs leave the coupling's stiffness open, by which its load follows: ± {part} %": (
+        "einzelne Läufe lassen die Steifigkeit der Kupplung offen, über die seine Last folgt: ± {part} %"
+    ),
     "the data say hardly more of it than what is believed beforehand: ± {size} {unit}": (
         "die Daten sagen kaum mehr darüber, als vorher angenommen wird: ± {size} {unit}"
     ),

@@ -335,8 +335,8 @@ def without_growing_modes(
     """Fit a train again without growing modes, from a fit that has one.
 
     What the data leave open is drawn to the document's values until no mode grows. From there, and else from the fit itself,
-    damped Gauss-Newton steps lower the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical
-    Optimization, 2006, ch. 17).
+    damped Gauss-Newton steps lower the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright,
+    Numerical Optimization, 2006, ch. 17).
 
     Args:
         limits: Limits of the machine.

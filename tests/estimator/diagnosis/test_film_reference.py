@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from estimator.alignment.open_stiffness import OPEN
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Diagnosis, diagnose
 from estimator.diagnosis.data_faults import fits, is_uninformative
-from estimator.diagnosis.film_reference import OPEN, film_observation, film_reference, is_of_films
+from estimator.diagnosis.film_reference import film_observation, film_reference, is_of_films
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
 from estimator.diagnosis.observation import Observation, ObservedFit

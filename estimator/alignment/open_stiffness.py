@@ -1,0 +1,88 @@
+"""Couplings whose stiffness single runs leave open, so that no offset in micrometres follows from the load that it makes.
+
+A run sees the load that an offset makes. Where a soft coupling takes the offset up, it is that load over the coupling's
+stiffness: if this is known to a factor only, so is the offset, and an interval to first order would be far too narrow. A rigid
+coupling may be of any stiffness above that of the shafts, which then make the load.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.machine.parameter_description import describe
+from estimator.statics.alignment import coupling_alignments
+from estimator.statics.coupled_train import CoupledTrain, coupled_train
+from estimator.updated_model.model import UpdatedModel
+
+OPEN = 0.5
+"""Standard error of the logarithm of a coupling's stiffness from which on runs leave it open [-]."""
+PLANES = (("horizontal", 0), ("vertical", 1))
+"""Planes in the order of x and y."""
+
+
+def open_alignments(runs: Sequence[UpdatedModel]) -> dict[str, str]:
+    """Return the offsets and angles whose load follows by a stiffness that single runs leave open, each with the reason.
+
+    Derived here: errors of the logarithms of stiffnesses add to that of the load per unit of offset, each by the part by which
+    the load follows it (first order: JCGM 100:2008, 5.2).
+
+    Args:
+        runs: Models of some runs of one machine on oil films, at least one.
+
+    Returns:
+        Reasons by name, such as `coupling.C1.offset_vertical`.
+    """
+    newest = runs[-1]
+    train = coupled_train(newest.machine)
+    errors = _stiffness_errors(runs, train)
+    if not np.any(errors >= OPEN):
+        return {}
+    ways = _ways(newest)
+    statics = train.at(_factors(newest, train))
+    found = {}
+    for name, way in ways.items():
+        own = [describe(one.name).element == describe(name).element for one in train.parameters]
+        made = float(way @ statics.stiffness @ way)
+        follows = np.einsum("i,cij,j->c", way, statics.slopes.stiffness, way) / made
+        open_by = float(np.linalg.norm(follows * errors * own))
+        if open_by >= OPEN:
+            found[name] = (
+                f"single runs leave the coupling's stiffness open, by which its load follows: ± {100 * open_by:.0f} %"
+            )
+    return found
+
+
+def _stiffness_errors(runs: Sequence[UpdatedModel], train: CoupledTrain) -> Floats:
+    """Return the usual standard error (C,) of the logarithm of each stiffness in a single run; 0 where it is none's [-]."""
+    places = [_place(runs[-1], one.name) for one in train.parameters]
+    each = [[0.0 if at is None else float(np.sqrt(run.covariance[at, at])) for at in places] for run in runs]
+    return np.asarray(np.median(np.array(each).reshape(len(runs), len(places)), axis=0), dtype=float)
+
+
+def _factors(model: UpdatedModel, train: CoupledTrain) -> Floats:
+    """Return the stiffnesses that a run has found over the document's (C,) [-]."""
+    coordinates = model.coordinates_at(np.ones(1))
+    expected = coordinates.point(coordinates.centre)
+    places = [_place(model, one.name) for one in train.parameters]
+    return np.array([1.0 if at is None else math.exp(model.values[at] - expected[at]) for at in places])
+
+
+def _place(model: UpdatedModel, name: str) -> int | None:
+    return model.coordinates.index(name) if name in model.coordinates else None
+
+
+def _ways(model: UpdatedModel) -> dict[str, Floats]:
+    """Return the least motion (2n,) of all bearings that makes a unit of each offset and angle, and none of any other."""
+    each = [one for one in coupling_alignments(model.machine) if one.undefined is None]
+    names = [f"coupling.{one.coupling}.{what}" for one in each for what in ("offset", "angle")]
+    rows = [row for one in each for row in (one.offset, one.angle)]
+    motions = np.linalg.pinv(np.array(rows).reshape(len(rows), len(model.machine.bearings)))
+    found = {}
+    for plane, axis in PLANES:
+        for name, motion in zip(names, motions.T, strict=True):
+            way = np.zeros((len(motion), 2))
+            way[:, axis] = motion
+            found[f"{name}_{plane}"] = way.reshape(-1)
+    return found
