@@ -11,8 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.statics.alignment import coupling_alignments
+from estimator.statics.alignment import alignment_motions
 from estimator.statics.coupled_train import CoupledTrain, coupled_train
 from estimator.updated_model.model import UpdatedModel
 
@@ -39,7 +40,7 @@ def open_alignments(runs: Sequence[UpdatedModel]) -> dict[str, str]:
     errors = _stiffness_errors(runs, train)
     if not np.any(errors >= OPEN):
         return {}
-    ways = _ways(newest)
+    ways = _ways(newest.machine)
     statics = train.at(_factors(newest, train))
     found = {}
     for name, way in ways.items():
@@ -73,15 +74,11 @@ def _place(model: UpdatedModel, name: str) -> int | None:
     return model.coordinates.index(name) if name in model.coordinates else None
 
 
-def _ways(model: UpdatedModel) -> dict[str, Floats]:
-    """Return the least motion (2n,) of all bearings that makes a unit of each offset and angle, and none of any other."""
-    each = [one for one in coupling_alignments(model.machine) if one.undefined is None]
-    names = [f"coupling.{one.coupling}.{what}" for one in each for what in ("offset", "angle")]
-    rows = [row for one in each for row in (one.offset, one.angle)]
-    motions = np.linalg.pinv(np.array(rows).reshape(len(rows), len(model.machine.bearings)))
+def _ways(machine: Machine) -> dict[str, Floats]:
+    """Return the motion (2n,) of all bearings that makes a unit of each offset and angle in either plane."""
     found = {}
     for plane, axis in PLANES:
-        for name, motion in zip(names, motions.T, strict=True):
+        for name, motion in alignment_motions(machine).items():
             way = np.zeros((len(motion), 2))
             way[:, axis] = motion
             found[f"{name}_{plane}"] = way.reshape(-1)

@@ -164,6 +164,8 @@ def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> It
 def fits(one: Observation, channels: frozenset[str]) -> bool:
     """Check whether an identification was accepted, or would be with the errors of some channels or couplings allowed for.
 
+    A train's films may explain a refused run with large deviations, which are a cause by themselves unless they are absurd.
+
     Source: fall of χ² by score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987.
 
     Args:
@@ -173,18 +175,37 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
     Returns:
         Whether it was or would be.
     """
-    if one.accepted:
-        return True
-    others = {channel: count for channel, count in one.outliers.items() if channel not in channels}
-    usable = sum(one.phasors.values()) + sum(one.outliers.values())
-    if sum(others.values()) > LARGEST_OUTLIER_PART * usable:
-        return False
+    deviating = accepted(one.chi_square, one.degrees_of_freedom) and one.believed is not None and not is_uninformative(one)
+    return is_trusted(one, channels) or (deviating and not _leaves_out_others(one, channels))
+
+
+def is_trusted(one: Observation, channels: frozenset[str]) -> bool:
+    """Check whether what a fit has found holds: it was accepted, or is but for errors of some channels or couplings.
+
+    Source: fall of χ² by score test of Rao, Math. Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987.
+
+    Args:
+        one: Observation of the run.
+        channels: Ids of the channels, and names of the couplings.
+
+    Returns:
+        Whether it does.
+    """
+    if one.accepted or _leaves_out_others(one, channels):
+        return one.accepted
     if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
-        # A train's films explain it then with large deviations, which are a cause by themselves unless they are absurd.
-        return (one.believed is not None and not is_uninformative(one)) or sum(
-            one.outliers.values()
-        ) > LARGEST_OUTLIER_PART * usable
+        return sum(one.outliers.values()) > LARGEST_OUTLIER_PART * _usable_phasors(one)
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
+
+
+def _leaves_out_others(one: Observation, channels: frozenset[str]) -> bool:
+    """Check whether a fit has left out too many phasors of other channels than some."""
+    others = sum(count for channel, count in one.outliers.items() if channel not in channels)
+    return others > LARGEST_OUTLIER_PART * _usable_phasors(one)
+
+
+def _usable_phasors(one: Observation) -> int:
+    return sum(one.phasors.values()) + sum(one.outliers.values())
 
 
 def is_uninformative(one: Observation) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 
 from estimator.alignment.healthy_films import stated_variation
 from estimator.diagnosis.bayes_factors import STRONG, Diagnosis, Reference, agreement, diagnose, reference
-from estimator.diagnosis.data_faults import DataFault, fits
+from estimator.diagnosis.data_faults import DataFault, fits, is_trusted
 from estimator.diagnosis.film_reference import film_reference
 from estimator.diagnosis.finding_kind import Cause, FindingKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
@@ -252,18 +252,18 @@ def faulty_channels(causes: Iterable[Cause]) -> frozenset[str]:
     return frozenset(of for name in names if (of := describe(name).error_of) is not None)
 
 
-def newest_that_fits(runs: Sequence[Observation], causes: Iterable[Cause]) -> int:
-    """Return the place of the newest run that its fit explains, with what causes have to do with channels allowed for.
+def newest_trusted(runs: Sequence[Observation], causes: Iterable[Cause]) -> int | None:
+    """Return the place of the newest run whose fit holds, with the errors of channels that causes are allowed for.
 
     Args:
         runs: Observations of the runs, oldest first.
         causes: Causes that a diagnosis names.
 
     Returns:
-        Index of the run, -1 for the newest where none fits.
+        Index of the run; None where there is none.
     """
     channels = faulty_channels(causes)
-    return next((place for place in reversed(range(len(runs))) if fits(runs[place], channels)), -1)
+    return next((place for place in reversed(range(len(runs))) if is_trusted(runs[place], channels)), None)
 
 
 def _data_cause(kind: FindingKind, fault: DataFault) -> Cause:

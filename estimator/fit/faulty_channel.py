@@ -16,6 +16,7 @@ from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.explained_fit import ExplainedFit
+from estimator.fit.large_gain_errors import CLEAR_FALL
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.channel_errors import with_channel_errors
@@ -55,7 +56,9 @@ def fit_with_channel_errors(problem: FitProblem, refused: FitResult, beginning: 
     if not found:
         return None
     _, channel, whole, best = min(found, key=itemgetter(0))
-    return _explained(problem, whole, best, problem.train.channels[channel])
+    explained = _explained(problem, whole, best, problem.train.channels[channel])
+    # One that is accepted with errors that say little has only begun elsewhere.
+    return explained if explained.refused_chi_square - best.chi_square >= CLEAR_FALL else None
 
 
 def _suspects(problem: FitProblem, refused: FitResult) -> list[int]:

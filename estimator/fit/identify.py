@@ -18,6 +18,7 @@ from estimator.fit.changed_coefficients import (
 from estimator.fit.conclusion import conclude, outliers_by_channel
 from estimator.fit.coupling_run_outs import fit_with_run_outs
 from estimator.fit.explained_fit import ExplainedFit
+from estimator.fit.far_moved_bearings import moved_far
 from estimator.fit.faulty_channel import fit_with_channel_errors
 from estimator.fit.fit_samples import (
     NotEnoughData,
@@ -168,8 +169,10 @@ def _fitted(
     begin = None if beginning is None else problem.coordinates.theta(beginning)
 
     best = _best_first(problem, begin, options)
-    other, finished = None, not is_unfinished(problem, best.fit)
     fits = judge(problem, best.fit).accepted
+    if fits and deviates_too_far(problem, best.fit):
+        best = replace(best, fit=moved_far(problem, best.fit, begin))
+    other, finished = None, not is_unfinished(problem, best.fit)
     if finished and (not fits or deviates_too_far(problem, best.fit)):
         other = fit_with_channel_errors(problem, best.fit, begin)
         if other is None:

@@ -51,6 +51,23 @@ def coupling_alignments(machine: Machine) -> tuple[CouplingAlignment, ...]:
     return tuple(_alignment(machine, rotor, coupling) for coupling in machine.couplings)
 
 
+def alignment_motions(machine: Machine) -> dict[str, Floats]:
+    """Derive the least motion of the bearings that makes a unit of each offset and angle, and none of any other.
+
+    Source: least-norm solution of the lever rules, by the pseudoinverse (Penrose 1955, doi:10.1017/S0305004100030401).
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Motion (n,) of all n bearings, the same in either plane, by name, such as `coupling.C1.offset` [m/m, m/rad].
+    """
+    each = [one for one in coupling_alignments(machine) if one.undefined is None]
+    rows = np.array([row for one in each for row in (one.offset, one.angle)]).reshape(2 * len(each), len(machine.bearings))
+    names = [f"coupling.{one.coupling}.{what}" for one in each for what in ("offset", "angle")]
+    return dict(zip(names, np.linalg.pinv(rows).T, strict=True))
+
+
 def _alignment(machine: Machine, rotor: Rotor, coupling: Coupling) -> CouplingAlignment:
     found = np.zeros((PLANE_DOFS, len(machine.bearings)))
     for shaft, sign in ((coupling.driven, 1.0), (coupling.driver, -1.0)):

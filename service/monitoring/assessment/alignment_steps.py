@@ -11,7 +11,7 @@ from statistics import fmean
 from typing import Any
 
 from estimator.diagnosis.bayes_factors import Diagnosis
-from estimator.diagnosis.data_faults import fits, is_uninformative
+from estimator.diagnosis.data_faults import is_trusted
 from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart, is_step_beside
 from estimator.diagnosis.observation import Observation
@@ -155,7 +155,7 @@ def is_off_baseline(size: ChangeSize, step: ChangeSize) -> bool:
 
 
 _FilmRuns = Sequence[tuple[AssessedRun, Observation]]
-"""Runs that their fits explain, with their observations, oldest first, those of the baseline first."""
+"""Runs whose fits hold, with their observations, oldest first, those of the baseline first."""
 
 
 def _film_runs(context: AssessmentContext, compared: BaselineComparison, channels: frozenset[str]) -> _FilmRuns:
@@ -166,7 +166,7 @@ def _film_runs(context: AssessmentContext, compared: BaselineComparison, channel
     for run in reversed([*context.baseline, *context.after]):
         if len(found) < enough and is_of_films(run.fit, machine):
             said = film_observation(run.fit, machine, run.conditions)
-            if said.names == names and fits(said, channels) and not is_uninformative(said):
+            if said.names == names and is_trusted(said, channels):
                 found.insert(0, (run, said))
     return found
 

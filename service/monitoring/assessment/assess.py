@@ -8,10 +8,10 @@ import numpy as np
 from estimator.diagnosis.alignment_size import alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.change_progress import ChangeProgress, change_progress
-from estimator.diagnosis.data_faults import fits
+from estimator.diagnosis.data_faults import is_trusted
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
-from estimator.diagnosis.run_windows import faulty_channels, newest_that_fits
+from estimator.diagnosis.run_windows import faulty_channels, newest_trusted
 from estimator.diagnosis.severity_measures import change_form, change_size
 from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import adjustment
@@ -195,7 +195,7 @@ def _progress(
     runs = [
         (run.measured_at / WEEK, one)
         for run, one in zip(compared.after[place:], compared.observations[place:], strict=True)
-        if fits(one, channels)
+        if is_trusted(one, channels)
     ]
     limit = danger_limit(context.limits, cause.kind, cause.element, change.size)
     return change_progress(compared.watch.reference, cause, others, runs, size=size, limit=limit)
@@ -214,9 +214,12 @@ def _size(
     """
     if cause.kind != MISALIGNMENT.name or compared.variation is None:
         return change_size(cause, compared.watch.reference, amplitude=amplitude)
-    newest = compared.after[newest_that_fits(compared.observations, together)]
+    since = compared.watch.began(cause, compared.observations)
+    newest = newest_trusted(compared.observations[since:], together)
+    if newest is None:
+        return ChangeSize(None)
     models = [run_model(context.machine, run) for run in context.baseline]
-    now = run_model(context.machine, newest, beside=together)
+    now = run_model(context.machine, compared.after[since + newest], beside=together)
     return alignment_size(cause, models, now, variation=compared.variation, causes=together)
 
 
