@@ -1,4 +1,4 @@
-"""What a refused fit says of the machine where an error that its document does not have explains the data."""
+"""Refused fits that an error explains which their document does not have, and what they say of the machine."""
 
 import numpy as np
 from msgspec import Struct

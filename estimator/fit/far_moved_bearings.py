@@ -2,7 +2,8 @@
 
 A fit starts from the machine's last identification. After a shaft has sunk by several times what is allowed, films may deviate
 to make up for it before the elevations have followed, and the fit ends there: χ² is as noise explains it, and films deviate
-absurdly. So such a fit goes on, from its end with the deviations held near none, and from starts with the couplings off.
+absurdly. So such a fit goes on, from its end with the deviations held near none (continuation: Allgower and Georg, Introduction
+to Numerical Continuation Methods, 2003, doi:10.1137/1.9780898719154), and from starts with the couplings off.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,16 +18,15 @@ from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.machine.document import Machine
-from estimator.statics.alignment import alignment_motions
 
 PARTS = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)
 """Offsets and angles that are tried, in standard deviations of what is believed of them [-]."""
 
 
 def moved_far(problem: FitProblem, found: FitResult, beginning: Floats | None) -> FitResult:
-    """Go on with a fit whose films deviate too far (module's docstring; continuation in the spread of the deviations).
+    """Fit again where films deviate too far (module's docstring), and take the best of all.
 
-    Derived here: of several optima of one posterior the highest is taken.
+    Source: own derivation: of several optima of one posterior the highest is taken.
 
     Args:
         problem: The problem.
@@ -69,6 +69,8 @@ def _misaligned(problem: FitProblem, machine: Machine, theta: Floats) -> list[Fl
 
 def _off(coordinates: Coordinates, machine: Machine, theta: Floats) -> Iterator[Floats]:
     """Yield θ (n,) with one offset or angle changed, by parts of what is believed of it."""
+    from estimator.statics.alignment import alignment_motions  # films are loaded where there are any
+
     for axis in ("x", "y"):
         names = [f"bearing.{one.id}.elevation_{axis}" for one in machine.bearings]
         if not set(names) <= set(coordinates.names):
