@@ -11,7 +11,7 @@ from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, observation_of, observed_fit
 from estimator.diagnosis.open_channels import estimate_beside
-from estimator.diagnosis.run_windows import RunWindows, newest_trusted
+from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
@@ -115,11 +115,11 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     observations = [_observed(machine, one) for one in later]
     found = windows.found(observations, on_delay=lambda _kind, _element: min(runs_that_agree, len(later)))
     amplitude = {channel: typical_amplitude(channel, windows.baseline) for channel in machine.channels}
-    newest = newest_trusted(observations, found.causes)
 
     def size(cause: Cause) -> ChangeSize:
         if variation is None or cause.kind != MISALIGNMENT:
             return change_size(cause, windows.reference, amplitude=amplitude)
+        newest = windows.newest_trusted(cause, observations, found.causes)
         if newest is None:
             return ChangeSize(None)
         now = _fitted(machine, later[newest], beside=found.causes)

@@ -44,10 +44,9 @@ def open_alignments(runs: Sequence[UpdatedModel]) -> dict[str, str]:
     statics = train.at(_factors(newest, train))
     found = {}
     for name, way in ways.items():
-        own = [describe(one.name).element == describe(name).element for one in train.parameters]
         made = float(way @ statics.stiffness @ way)
         follows = np.einsum("i,cij,j->c", way, statics.slopes.stiffness, way) / made
-        open_by = float(np.linalg.norm(follows * errors * own))
+        open_by = float(np.linalg.norm(follows * errors))
         if open_by >= OPEN:
             found[name] = (
                 f"single runs leave the coupling's stiffness open, by which its load follows: ± {100 * open_by:.0f} %"
@@ -56,16 +55,16 @@ def open_alignments(runs: Sequence[UpdatedModel]) -> dict[str, str]:
 
 
 def _stiffness_errors(runs: Sequence[UpdatedModel], train: CoupledTrain) -> Floats:
-    """Return the usual standard error (C,) of the logarithm of each stiffness in a single run; 0 where it is none's [-]."""
-    places = [_place(runs[-1], one.name) for one in train.parameters]
+    """Return the usual standard error (C,) of the logarithm of each stiffness in a single run; 0 of a pedestal's [-]."""
+    couplings = [describe(one.name).element_kind == "coupling" for one in train.parameters]
+    places = [_place(runs[-1], one.name) if of else None for one, of in zip(train.parameters, couplings, strict=True)]
     each = [[0.0 if at is None else float(np.sqrt(run.covariance[at, at])) for at in places] for run in runs]
     return np.asarray(np.median(np.array(each).reshape(len(runs), len(places)), axis=0), dtype=float)
 
 
 def _factors(model: UpdatedModel, train: CoupledTrain) -> Floats:
     """Return the stiffnesses that a run has found over the document's (C,) [-]."""
-    coordinates = model.coordinates_at(np.ones(1))
-    expected = coordinates.point(coordinates.centre)
+    expected = model.coordinates_at(np.ones(1)).origin  # logarithms of the document's values
     places = [_place(model, one.name) for one in train.parameters]
     return np.array([1.0 if at is None else math.exp(model.values[at] - expected[at]) for at in places])
 

@@ -105,11 +105,13 @@ def run_change(
         [np.eye(coordinates.size)[:, moving] * coordinates.spread[moving], freed_directions(coordinates, causes)]
     )
 
+    left_open = open_alignments(runs)
+
     def in_season(season: HealthyVariation) -> RunChange:
         covariance = scales.over_seasons(season)
         covariance[moving], covariance[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
         ways = np.column_stack([lasting, _columns(varying + covariance)])
-        return replace(_estimated(before, own, later, coordinates, ways), left_open=open_alignments(runs))
+        return replace(_estimated(before, own, later, coordinates, ways), left_open=left_open)
 
     found = in_season(chosen)
     if not scales.oil.any():

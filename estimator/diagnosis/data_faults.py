@@ -175,7 +175,8 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
     Returns:
         Whether it was or would be.
     """
-    deviating = accepted(one.chi_square, one.degrees_of_freedom) and one.believed is not None and not is_uninformative(one)
+    by_films = one.believed is not None and not is_uninformative(one) and not _explained_by_errors(one)
+    deviating = by_films and accepted(one.chi_square, one.degrees_of_freedom)
     return is_trusted(one, channels) or (deviating and not _leaves_out_others(one, channels))
 
 
@@ -193,9 +194,15 @@ def is_trusted(one: Observation, channels: frozenset[str]) -> bool:
     """
     if one.accepted or _leaves_out_others(one, channels):
         return one.accepted
-    if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
+    if accepted(one.chi_square, one.degrees_of_freedom) and not _explained_by_errors(one):
+        # It was refused for what it left out, or else for no channel's fault.
         return sum(one.outliers.values()) > LARGEST_OUTLIER_PART * _usable_phasors(one)
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
+
+
+def _explained_by_errors(one: Observation) -> bool:
+    """Check whether a refused fit was accepted with errors of channels or couplings, from where its run is told."""
+    return bool(np.any(one.reference[one.coordinates :] != 0.0))
 
 
 def _leaves_out_others(one: Observation, channels: frozenset[str]) -> bool:
@@ -239,9 +246,10 @@ def _explained(one: Observation, channels: frozenset[str]) -> float:
     beside_fit = np.arange(len(one.names)) >= one.coordinates
     if not free.any():
         return 0.0
-    across = information[np.ix_(free, machine)]
-    own = information[np.ix_(free, free)] - across @ np.linalg.solve(information[np.ix_(machine, machine)], across.T)
-    score = one.gradient[free] + own @ one.reference[free] * beside_fit[free]
+    across = information[free][:, machine] @ np.linalg.inv(information[np.ix_(machine, machine)])
+    beside = information[free] - across @ information[machine]
+    own = beside[:, free]
+    score = one.gradient[free] + beside[:, beside_fit] @ one.reference[beside_fit]  # with all errors that fits leave out zero
     return float(score @ np.linalg.solve(own, score))
 
 

@@ -17,6 +17,8 @@ OPEN_GAIN = 0.5
 """Standard deviation of each part of a gain that is free, as believed before the run [-]."""
 OPEN_RUN_OUT = 1.0
 """Standard deviation of each part of a run-out that is free, in units of the channel's median amplitude [-]."""
+OPEN_ROTATING = {"rotating_offset": 1e-4, "rotating_angle": 1e-3}
+"""Standard deviations of each part of a coupling's run-outs of bore and face that are free [m, rad]."""
 _ERRORS = {one.kind: one.errors for one in FINDING_KINDS if one.errors}
 
 
@@ -30,7 +32,8 @@ def estimate_beside(
 ) -> tuple[Floats, Floats]:
     """Return a fit's estimate with the errors of chains free that causes stand for (score and information: Rao 1948).
 
-    What the run itself says of such an error is in its effects; else hardly anything is believed of it.
+    So are errors along which alone the fit was accepted. What the run itself says of an error is in its effects; else hardly
+    anything is believed of it.
 
     Source: score and information of errors that a fit left out, Rao (1948, doi:10.1017/S0305004100023987).
 
@@ -42,25 +45,27 @@ def estimate_beside(
         channels: Ids of the m channels.
 
     Returns:
-        Values (n,) and covariance (n, n) [SI²]; the given ones where no cause is one of a measuring chain.
+        Values (n,) and covariance (n, n) [SI²]; the given ones where no error is free.
     """
     wrong = {f"{element}.{quantity}" for kind, element in named for quantity in _ERRORS.get(kind, ())}
     if effects is None:
         return point, covariance
     amplitude = dict(zip(channels, effects.amplitude, strict=True))
-    places = [place for place, name in enumerate(effects.names) if describe(name).whole in wrong]
+    found_at = np.zeros(len(effects.names)) if effects.at is None else effects.at
+    places = [place for place, name in enumerate(effects.names) if describe(name).whole in wrong or found_at[place] != 0.0]
     if not places:
         return point, covariance
     spread = np.array([_spread(effects.names[place], amplitude) for place in places])
     shift = effects.bias[:, places] * spread  # by an error of one standard deviation
-    at = np.zeros(len(places)) if effects.at is None else effects.at[places] / spread
-    own = effects.information[np.ix_(places, places)] * np.outer(spread, spread)
-    left = np.linalg.inv(own + np.eye(len(places)))
-    error = left @ (effects.score[places] * spread + own @ at)
-    return point - shift @ (error - at), covariance + shift @ left @ shift.T
+    own = effects.information[np.ix_(places, places)]
+    left = np.linalg.inv(own * np.outer(spread, spread) + np.eye(len(places)))
+    error = spread * (left @ (spread * (effects.score[places] + own @ found_at[places])))
+    return point - effects.bias[:, places] @ (error - found_at[places]), covariance + shift @ left @ shift.T
 
 
 def _spread(name: str, amplitude: dict[str, float]) -> float:
     """Return the standard deviation of an error that is free [unit of the error]."""
     said = describe(name)
+    if said.quantity in OPEN_ROTATING:
+        return OPEN_ROTATING[said.quantity]
     return OPEN_GAIN if said.quantity == "gain" else OPEN_RUN_OUT * amplitude[said.element_id]

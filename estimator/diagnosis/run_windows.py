@@ -148,6 +148,20 @@ class RunWindows:
         sums = np.cumsum(spoken[::-1])[::-1]
         return int(np.argmax(sums))
 
+    def newest_trusted(self, cause: Cause, after: Sequence[Observation], causes: Iterable[Cause]) -> int | None:
+        """Return the newest run since a cause began whose fit holds, with the errors of channels that causes are allowed for.
+
+        Args:
+            cause: The cause.
+            after: Observations of the runs after the baseline, oldest first.
+            causes: All causes that a diagnosis names.
+
+        Returns:
+            Index of the run; None where there is none.
+        """
+        channels, since = faulty_channels(causes), self.began(cause, after)
+        return next((place for place in reversed(range(since, len(after))) if is_trusted(after[place], channels)), None)
+
     def _is_left_open(self, cause: Cause) -> bool:
         """Check whether a cause is told beyond fits only, and is less than single runs leave open of all its stiffnesses.
 
@@ -250,20 +264,6 @@ def faulty_channels(causes: Iterable[Cause]) -> frozenset[str]:
     """
     names = (name for cause in causes if finding_kind(cause.kind).beside_fit for name in cause.names)
     return frozenset(of for name in names if (of := describe(name).error_of) is not None)
-
-
-def newest_trusted(runs: Sequence[Observation], causes: Iterable[Cause]) -> int | None:
-    """Return the place of the newest run whose fit holds, with the errors of channels that causes are allowed for.
-
-    Args:
-        runs: Observations of the runs, oldest first.
-        causes: Causes that a diagnosis names.
-
-    Returns:
-        Index of the run; None where there is none.
-    """
-    channels = faulty_channels(causes)
-    return next((place for place in reversed(range(len(runs))) if is_trusted(runs[place], channels)), None)
 
 
 def _data_cause(kind: FindingKind, fault: DataFault) -> Cause:

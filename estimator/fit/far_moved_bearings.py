@@ -2,8 +2,8 @@
 
 A fit starts from the machine's last identification. After a shaft has sunk by several times what is allowed, films may deviate
 to make up for it before the elevations have followed, and the fit ends there: χ² is as noise explains it, and films deviate
-absurdly. So such a fit goes on, from its end with the deviations held near none (continuation: Allgower and Georg, Introduction
-to Numerical Continuation Methods, 2003, doi:10.1137/1.9780898719154), and from starts with the couplings off.
+absurdly. So such a fit goes on, from its end with the deviations held near none (continuation: Allgower and Georg,
+Introduction to Numerical Continuation Methods, 2003, doi:10.1137/1.9780898719154), and from starts with the couplings off.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,6 +17,7 @@ from estimator.fit.optimisation.multistart import HELD_FACTOR
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.validation.goodness_of_fit import judge
 from estimator.machine.document import Machine
 
 PARTS = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)
@@ -46,16 +47,20 @@ def moved_far(problem: FitProblem, found: FitResult, beginning: Floats | None) -
 
 
 def _better(problem: FitProblem, starts: Sequence[Floats], found: FitResult) -> FitResult:
-    """Return the best of a fit and those from some starts."""
+    """Return the best of a fit and those from some starts: one that is accepted, else the most probable."""
     again = [fit(problem, start, near=True) for start in starts]
-    return min([found, *(one for one in again if one.converged)], key=lambda one: one.misfit)
+
+    def rank(one: FitResult) -> tuple[bool, float]:
+        refused = not judge(problem, one).accepted or deviates_too_far(problem, one)
+        return refused, one.misfit + problem.coordinates.prior.cost(one.theta)
+
+    return min([found, *(one for one in again if one.converged and np.isfinite(one.misfit))], key=rank)
 
 
 def _with_deviations_held(problem: FitProblem, theta: Floats) -> Floats:
     """Return where a fit ends whose films hardly deviate."""
-    coordinates = problem.coordinates
-    spread = np.where(coordinates.nuisance, coordinates.spread / HELD_FACTOR, coordinates.spread)
-    return fit(replace(problem, coordinates=replace(coordinates, spread=spread)), theta, near=True, passes=1).theta
+    held = problem.coordinates.narrowed(HELD_FACTOR, problem.coordinates.nuisance)
+    return fit(replace(problem, coordinates=held), theta, near=True, passes=1).theta
 
 
 def _misaligned(problem: FitProblem, machine: Machine, theta: Floats) -> list[Floats]:

@@ -23,11 +23,14 @@ from estimator.fit.problem.channel_errors import with_channel_errors
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.problem.linear_phasors import PhasorMemory
 from estimator.fit.validation.channel_sensitivity import channel_effects
-from estimator.fit.validation.goodness_of_fit import judge
+from estimator.fit.validation.goodness_of_fit import judge, remark
 from estimator.machine.parameter_description import describe
+from estimator.rotor.elimination import SingularCondensation
 
 SUSPECTS = 2
 """Number of channels whose errors are tried, those that explain most [-]: both probes of a bearing often do."""
+FEWEST_FREEDOM = 20
+"""Fewest degrees of freedom beside which errors explain a run [-]: fewer numbers are explained by anything."""
 SPREAD = {"gain": 0.5, "run_out": 1e-4}
 """Standard deviations of each part of a gain and of a run-out that are free [-, m]: hardly anything is believed of them."""
 
@@ -81,11 +84,21 @@ def _accepted(problem: FitProblem, channel: int, starts: list[Floats]) -> Iterat
     whole = replace(problem, coordinates=coordinates, outlier=np.zeros_like(problem.outlier), _memory=PhasorMemory())
     hopeless = np.inf if whole.noise.estimated else HOPELESS_MISFIT
     for start in starts:
-        theta = _with_errors_found(whole, np.concatenate([start, np.zeros(coordinates.size - start.size)]), channel)
-        theta = best_excitations(whole, theta, whole.weight(whole.first_amplitude, STAGE_MISFITS[0]))
-        found = fit(whole, theta, near=True, give_up_from=hopeless)
+        theta = np.concatenate([start, np.zeros(coordinates.size - start.size)])
+        try:
+            if not np.isfinite(whole.model(theta)).all():  # where a film is too thin
+                continue
+            theta = best_excitations(
+                whole, _with_errors_found(whole, theta, channel), whole.weight(whole.first_amplitude, STAGE_MISFITS[0])
+            )
+            found = fit(whole, theta, near=True, give_up_from=hopeless)
+        except SingularCondensation:
+            continue
         # One given up has neither its last weights nor its outliers: its χ² says nothing.
-        if np.isfinite(found.misfit) and judge(whole, found).accepted and not deviates_too_far(whole, found):
+        if not np.isfinite(found.misfit) or deviates_too_far(whole, found):
+            continue
+        verdict = judge(whole, found)
+        if verdict.accepted and verdict.degrees_of_freedom >= FEWEST_FREEDOM:
             yield whole, found
 
 
@@ -114,16 +127,17 @@ def _explained(problem: FitProblem, whole: FitProblem, found: FitResult, name: s
     point = coordinates.point(found.theta)
     errors = dict(zip(coordinates.names[own.size :], point[own.size :].tolist(), strict=True))
     there = replace(found, theta=found.theta[: own.size])
-    effects = channel_effects(problem, there, at=errors)
+    inflation = remark(whole, found).inflation
+    effects = channel_effects(problem, there, inflation=inflation, at=errors)
     precision = found.information[: own.size, : own.size] + own.prior.precision
     size = np.sqrt(np.diag(precision))
-    covariance = np.linalg.inv(precision / np.outer(size, size)) * np.outer(own.unit / size, own.unit / size)
+    covariance = inflation * np.linalg.inv(precision / np.outer(size, size)) * np.outer(own.unit / size, own.unit / size)
     at = np.zeros(len(effects.names)) if effects.at is None else effects.at
     return ExplainedFit(
         point=point[: own.size],
         covariance=(covariance + covariance.T) / 2,
         effects=effects,
-        refused_chi_square=found.chi_square + float(at @ effects.information @ at),
+        refused_chi_square=found.chi_square + inflation * float(at @ effects.information @ at),
         degrees_of_freedom=judge(whole, found).degrees_of_freedom,
         outlier=found.outlier,
         words=f"with another gain and run-out of probe {name} it would be accepted",

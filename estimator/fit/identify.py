@@ -172,6 +172,7 @@ def _fitted(
     fits = judge(problem, best.fit).accepted
     if fits and deviates_too_far(problem, best.fit):
         best = replace(best, fit=moved_far(problem, best.fit, begin))
+        fits = judge(problem, best.fit).accepted
     other, finished = None, not is_unfinished(problem, best.fit)
     if finished and (not fits or deviates_too_far(problem, best.fit)):
         other = fit_with_channel_errors(problem, best.fit, begin)

@@ -100,6 +100,7 @@ def best_fit(
         FitFailed: No start leads to a finite misfit.
     """
     rng = np.random.default_rng(seed)
+    held_first = held_first and not twice  # starts from the document would agree with each other
     best: FitResult | None = None
     reached: list[float] = []
     give_up_from, iterations = math.inf, 0
@@ -137,10 +138,7 @@ def _held_near_document(problem: FitProblem, start: Floats) -> Floats:
     Coefficients that follow the speed leave many directions open in which a fit with the document's own spreads may run far
     away into another optimum, such as one with absurd damping of a coupling.
     """
-    coordinates = problem.coordinates
-    calibrated = None if coordinates.calibrated is None else coordinates.calibrated * HELD_FACTOR**2
-    held = replace(coordinates, spread=coordinates.spread / HELD_FACTOR, calibrated=calibrated)
-    return fit(replace(problem, coordinates=held), start, passes=1).theta
+    return fit(replace(problem, coordinates=problem.coordinates.narrowed(HELD_FACTOR)), start, passes=1).theta
 
 
 def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitResult], bool], passes: int) -> FitResult:

@@ -409,7 +409,7 @@ class _Search:
         """Return θ (n,) in which coordinates that the data leave open approach the document's values until no mode grows."""
         coordinates = self.problem.coordinates
         for factor in PRIOR_FACTORS:
-            held = replace(self.problem, coordinates=_drawn(coordinates, factor))
+            held = replace(self.problem, coordinates=coordinates.narrowed(factor))
             theta, _, _ = descend(held, theta, self.weight, DRAWN_STEP_COUNT)
             if self.limits.growing_mode(theta) is None:
                 break
@@ -418,12 +418,6 @@ class _Search:
     def _cost(self, theta: Floats) -> float:
         """Return χ² with its prior."""
         return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior.cost(theta)
-
-
-def _drawn(coordinates: Coordinates, factor: float) -> Coordinates:
-    """Return the coordinates with a prior whose standard deviations are smaller by a factor."""
-    calibrated = None if coordinates.calibrated is None else coordinates.calibrated * factor**2
-    return replace(coordinates, spread=coordinates.spread / factor, calibrated=calibrated)
 
 
 def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:

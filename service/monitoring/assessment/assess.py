@@ -11,7 +11,7 @@ from estimator.diagnosis.change_progress import ChangeProgress, change_progress
 from estimator.diagnosis.data_faults import is_trusted
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
-from estimator.diagnosis.run_windows import faulty_channels, newest_trusted
+from estimator.diagnosis.run_windows import faulty_channels
 from estimator.diagnosis.severity_measures import change_form, change_size
 from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import adjustment
@@ -214,12 +214,11 @@ def _size(
     """
     if cause.kind != MISALIGNMENT.name or compared.variation is None:
         return change_size(cause, compared.watch.reference, amplitude=amplitude)
-    since = compared.watch.began(cause, compared.observations)
-    newest = newest_trusted(compared.observations[since:], together)
+    newest = compared.watch.newest_trusted(cause, compared.observations, together)
     if newest is None:
         return ChangeSize(None)
     models = [run_model(context.machine, run) for run in context.baseline]
-    now = run_model(context.machine, compared.after[since + newest], beside=together)
+    now = run_model(context.machine, compared.after[newest], beside=together)
     return alignment_size(cause, models, now, variation=compared.variation, causes=together)
 
 

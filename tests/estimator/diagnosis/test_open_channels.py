@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from estimator.diagnosis.open_channels import OPEN_GAIN, OPEN_RUN_OUT, estimate_beside
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
@@ -59,3 +60,20 @@ def test_errors_that_are_free_widen_the_covariance() -> None:
 def test_an_estimate_stays_where_no_chain_is_named() -> None:
     point, covariance, effects = told(1, None)
     assert estimate_beside(point, covariance, effects, [("wear", "bearing.B1")], channels=("P1", "P2")) == (point, covariance)
+
+
+def test_an_error_along_which_alone_a_fit_was_accepted_is_free_unnamed() -> None:
+    point, covariance, effects = told(2, None)
+    expected = estimate_beside(point, covariance, effects, [("sensor", "probe.P1")], channels=("P1", "P2"))
+    point, covariance, effects = told(2, [0.7, 0.7, 0.0, 0.0, 0.0])
+    found = estimate_beside(point, covariance, effects, [], channels=("P1", "P2"))
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found[1], expected[1], rtol=1e-9, atol=1e-12)
+
+
+def test_a_named_channel_without_phasors_leaves_an_estimate_as_it_is() -> None:
+    point, covariance, effects = told(2, None)
+    dead = structs.replace(effects, amplitude=(AMPLITUDE[0], 0.0), at=np.zeros(5))
+    found = estimate_beside(point, covariance, dead, [("run_out", "probe.P2")], channels=("P1", "P2"))
+    np.testing.assert_allclose(found[0], point)
+    np.testing.assert_allclose(found[1], covariance)

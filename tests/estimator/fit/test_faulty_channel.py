@@ -84,6 +84,14 @@ def test_no_channel_explains_what_two_have_done() -> None:
     assert "with another gain" not in found.verdict
 
 
+def test_a_beginning_without_a_model_is_left_out() -> None:
+    """A bearing that stands in its shaft has no film."""
+    beginning = healthy().point.copy()
+    beginning[healthy().coordinates.index("bearing.B2.elevation_y")] += 50e-3
+    found = identify(machine(), with_errors(CHANNEL, run_out=RUN_OUT), beginning=beginning)
+    assert found.verdict.endswith(WORDS.format(machine().channels[CHANNEL]))
+
+
 def test_an_accepted_fit_is_told_without_errors_of_channels() -> None:
     effects = healthy().channel_effects
     assert effects is not None
