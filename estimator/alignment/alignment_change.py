@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.alignment.freed_coordinates import MovingCause
+from estimator.alignment.open_stiffness import open_alignments
 from estimator.alignment.run_change import RunChange, run_change
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.updated_model.alignment_results import alignment_results
@@ -76,13 +77,13 @@ def changed_alignment(change: RunChange) -> tuple[AlignmentChange, ...]:
     Returns:
         The changes, as `alignment_changes` gives them.
     """
-    coordinates = change.coordinates
+    coordinates, left_open = change.coordinates, open_alignments(change.runs)
     found = []
     for one in alignment_results(change.later):
         row = one.slope * coordinates.unit
         known = float(np.linalg.norm(row * coordinates.spread))
         changed, uncertain = float(row @ change.run), float(standard_errors(row, change.run_covariance))
-        undefined = one.undefined or change.left_open.get(one.name)
+        undefined = one.undefined or left_open.get(one.name)
         found.append(AlignmentChange(one.name, one.unit, changed, uncertain, known, undefined))
     return tuple(found)
 

@@ -8,15 +8,14 @@ be of another season, and what named causes have moved is another's (linear mixe
 before is a part of its alignment, and no error of it.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.alignment.compliant_couplings import compliant_couplings
 from estimator.alignment.freed_coordinates import MovingCause, freed_directions
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation, machine_precision
-from estimator.alignment.open_stiffness import open_alignments
 from estimator.alignment.run_likelihood import RunLikelihood, run_likelihood
 from estimator.alignment.season_of_run import season_of_run
 from estimator.arrays import Floats
@@ -39,21 +38,24 @@ class RunChange:
     """Change of a machine's n coordinates θ against a baseline.
 
     Attributes:
-        later: Model of the later run, in the coordinates that all runs have.
+        runs: Models of the baseline's runs and of the later one, the last, in the coordinates that all of them have.
         coordinates: The coordinates.
         before: The machine in the baseline (n,) [-].
         run: Change (n,) of the later run: of its elevations, of what named causes have moved, and of what varies from run to
             run and over the seasons [-].
         run_covariance: Covariance (n, n) of that [-].
-        left_open: Offsets and angles that do not follow from it, by name, each with the reason.
     """
 
-    later: UpdatedModel
+    runs: tuple[UpdatedModel, ...]
     coordinates: Coordinates
     before: Floats
     run: Floats
     run_covariance: Floats
-    left_open: Mapping[str, str]
+
+    @property
+    def later(self) -> UpdatedModel:
+        """Return the model of the later run."""
+        return self.runs[-1]
 
 
 def run_change(
@@ -84,8 +86,7 @@ def run_change(
     Raises:
         ValueError: There is no baseline, or it is of another machine.
     """
-    runs = _in_common_coordinates([*baseline, later])
-    *baseline, later = runs
+    *baseline, later = runs = _in_common_coordinates([*baseline, later])
     if not baseline or any(one.coordinates != later.coordinates for one in baseline):
         raise ValueError("changes need a baseline of at least one run of the same machine")
     coordinates = later.coordinates_at(np.ones(1))
@@ -105,13 +106,11 @@ def run_change(
         [np.eye(coordinates.size)[:, moving] * coordinates.spread[moving], freed_directions(coordinates, causes)]
     )
 
-    left_open = open_alignments(runs)
-
     def in_season(season: HealthyVariation) -> RunChange:
         covariance = scales.over_seasons(season)
         covariance[moving], covariance[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
         ways = np.column_stack([lasting, _columns(varying + covariance)])
-        return replace(_estimated(before, own, later, coordinates, ways), left_open=left_open)
+        return _estimated(before, own, tuple(runs), coordinates, ways)
 
     found = in_season(chosen)
     if not scales.oil.any():
@@ -122,7 +121,7 @@ def run_change(
 
 
 def _estimated(
-    before: Sequence[RunLikelihood], own: RunLikelihood, later: UpdatedModel, coordinates: Coordinates, ways: Floats
+    before: Sequence[RunLikelihood], own: RunLikelihood, runs: tuple[UpdatedModel, ...], coordinates: Coordinates, ways: Floats
 ) -> RunChange:
     """Estimate the machine and the change of a later run together.
 
@@ -139,12 +138,11 @@ def _estimated(
     covariance = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
     found = covariance @ vector
     return RunChange(
-        later=later,
+        runs=runs,
         coordinates=coordinates,
         before=coordinates.centre + found[:size],
         run=ways @ found[size:],
         run_covariance=ways @ covariance[size:, size:] @ ways.T,
-        left_open={},
     )
 
 

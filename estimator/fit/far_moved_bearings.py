@@ -17,6 +17,7 @@ from estimator.fit.optimisation.multistart import HELD_FACTOR
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.problem.narrowed_prior import narrowed
 from estimator.fit.validation.goodness_of_fit import judge
 from estimator.machine.document import Machine
 
@@ -59,7 +60,7 @@ def _better(problem: FitProblem, starts: Sequence[Floats], found: FitResult) -> 
 
 def _with_deviations_held(problem: FitProblem, theta: Floats) -> Floats:
     """Return where a fit ends whose films hardly deviate."""
-    held = problem.coordinates.narrowed(HELD_FACTOR, problem.coordinates.nuisance)
+    held = narrowed(problem.coordinates, HELD_FACTOR, problem.coordinates.nuisance)
     return fit(replace(problem, coordinates=held), theta, near=True, passes=1).theta
 
 

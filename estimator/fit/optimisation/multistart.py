@@ -11,6 +11,7 @@ from estimator.arrays import Floats
 from estimator.fit.optimisation.maximum_likelihood import FINAL_PASSES, HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.problem.narrowed_prior import narrowed
 
 START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start [-]."""
@@ -91,7 +92,7 @@ def best_fit(
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
         begin: Function that completes the coefficients of a start by what follows from them linearly.
-        held_first: Whether the first start from the nominal values is one held near these (`_held_near_document`).
+        held_first: Whether the first start is held near the nominal values, unless two must agree (`_held_near_document`).
 
     Returns:
         The best fit.
@@ -100,18 +101,12 @@ def best_fit(
         FitFailed: No start leads to a finite misfit.
     """
     rng = np.random.default_rng(seed)
-    held_first = held_first and not twice  # starts from the document would agree with each other
-    best: FitResult | None = None
+    best, give_up_from, iterations = None, math.inf, 0
     reached: list[float] = []
-    give_up_from, iterations = math.inf, 0
     for start_number in range(1, max(1, starts) + 1):
-        given = beginning if start_number == 1 else None
-        if given is None and held_first and start_number == 1 and not problem.coordinates.guessed.any():
-            given = _held_near_document(problem, chosen_start(problem, rng, first=True, begin=begin))
-        nominal = start_number == (2 if held_first and beginning is None else 1)
-        start = given if given is not None else chosen_start(problem, rng, first=nominal, begin=begin)
-        found = fit(problem, start, near=given is not None, give_up_from=give_up_from, passes=passes)
-        found = found if twice else _continued(problem, found, unfinished, passes)
+        start, near = _start(problem, rng, start_number, beginning, begin, held_first=held_first and not twice)
+        ended = fit(problem, start, near=near, give_up_from=give_up_from, passes=passes)
+        found = ended if twice else _continued(problem, ended, unfinished, passes)
         iterations += found.iterations
         if not twice and np.isfinite(found.misfit) and good(found):
             best = found
@@ -132,13 +127,30 @@ def best_fit(
     return BestFit(best, start_number, iterations, _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None)
 
 
+def _start(
+    problem: FitProblem,
+    rng: np.random.Generator,
+    number: int,
+    beginning: Floats | None,
+    begin: Completion,
+    *,
+    held_first: bool,
+) -> tuple[Floats, bool]:
+    """Return the start of a number, from 1 on, and whether it is another fit's end."""
+    if beginning is not None:
+        return (beginning, True) if number == 1 else (chosen_start(problem, rng, first=False, begin=begin), False)
+    if held_first and number == 1 and not problem.coordinates.guessed.any():
+        return _held_near_document(problem, chosen_start(problem, rng, first=True, begin=begin)), True
+    return chosen_start(problem, rng, first=number == (2 if held_first else 1), begin=begin), False
+
+
 def _held_near_document(problem: FitProblem, start: Floats) -> Floats:
     """Return where a fit ends that is held near the document's values: its spreads are smaller by a factor.
 
     Coefficients that follow the speed leave many directions open in which a fit with the document's own spreads may run far
     away into another optimum, such as one with absurd damping of a coupling.
     """
-    return fit(replace(problem, coordinates=problem.coordinates.narrowed(HELD_FACTOR)), start, passes=1).theta
+    return fit(replace(problem, coordinates=narrowed(problem.coordinates, HELD_FACTOR)), start, passes=1).theta
 
 
 def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitResult], bool], passes: int) -> FitResult:

@@ -117,20 +117,6 @@ class Coordinates(Struct, frozen=True, eq=False, dict=True):
         """Return the prior on θ."""
         return Prior(self.centre, np.diag(self.spread**-2) if self.calibrated is None else self.calibrated)
 
-    def narrowed(self, factor: float, which: NDArray[np.bool_] | None = None) -> "Coordinates":
-        """Return coordinates with a prior that is narrower by a factor.
-
-        Args:
-            factor: Factor by which standard deviations are smaller [-].
-            which: Coordinates (n,) of which they are; None for all.
-
-        Returns:
-            The coordinates.
-        """
-        by = np.where(np.ones(self.size, dtype=bool) if which is None else which, factor, 1.0)
-        calibrated = None if self.calibrated is None else self.calibrated * np.outer(by, by)
-        return replace(self, spread=self.spread / by, calibrated=calibrated)
-
     def point(self, theta: Floats) -> Floats:
         """Convert fit coordinates to physical values.
 

@@ -18,6 +18,7 @@ from estimator.fit.optimisation.maximum_likelihood import CURVED, bent, descend
 from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.narrowed_prior import narrowed
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes, log_decrement
@@ -409,7 +410,7 @@ class _Search:
         """Return θ (n,) in which coordinates that the data leave open approach the document's values until no mode grows."""
         coordinates = self.problem.coordinates
         for factor in PRIOR_FACTORS:
-            held = replace(self.problem, coordinates=coordinates.narrowed(factor))
+            held = replace(self.problem, coordinates=narrowed(coordinates, factor))
             theta, _, _ = descend(held, theta, self.weight, DRAWN_STEP_COUNT)
             if self.limits.growing_mode(theta) is None:
                 break
