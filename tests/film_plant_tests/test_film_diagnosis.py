@@ -189,11 +189,12 @@ def running_out(*, offset: complex = 0j, angle: complex = 0j) -> PlantChange:
     return change
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "quantity", "size"),
     [
         (running_out(offset=2e-6 * np.exp(0.8j)), "offset_um", 2.0),
-        pytest.param(running_out(angle=10e-6j), "angle_urad", 10.0, marks=pytest.mark.long),
+        (running_out(angle=10e-6j), "angle_urad", 10.0),
     ],
     ids=["bore", "face"],
 )
