@@ -29,6 +29,8 @@ from estimator.rotor.elimination import SingularCondensation
 
 SUSPECTS = 2
 """Number of channels whose errors are tried, those that explain most [-]: both probes of a bearing often do."""
+LEAST_PART = 0.5
+"""Part of what χ² is above its degrees of freedom that a channel must explain to first order to be tried [-]."""
 FEWEST_FREEDOM = 20
 """Fewest degrees of freedom beside which errors explain a run [-]: fewer numbers are explained by anything."""
 SPREAD = {"gain": 0.5, "run_out": 1e-4}
@@ -65,7 +67,8 @@ def fit_with_channel_errors(problem: FitProblem, refused: FitResult, beginning: 
 
 
 def _suspects(problem: FitProblem, refused: FitResult) -> list[int]:
-    """Return the places of the channels, that with whose errors χ² would fall by the most first (score test)."""
+    """Return the places of channels that explain much, that with which χ² would fall by the most first (score test)."""
+    least = LEAST_PART * (refused.chi_square - judge(problem, refused).degrees_of_freedom)
     effects, falls = channel_effects(problem, refused), []
     for channel, name in enumerate(problem.train.channels):
         places = [place for place, of in enumerate(effects.names) if describe(of).channel == name]
@@ -73,7 +76,9 @@ def _suspects(problem: FitProblem, refused: FitResult) -> list[int]:
         size = np.sqrt(np.diag(information))
         if places and np.all(size > 0.0):  # of a channel without phasors nothing is known
             change = np.linalg.lstsq(information / np.outer(size, size), score / size)[0]
-            falls.append((float(change @ (score / size)), channel))
+            fall = float(change @ (score / size))
+            if fall >= least:
+                falls.append((fall, channel))
     return [channel for _, channel in sorted(falls, reverse=True)]
 
 
