@@ -15,7 +15,11 @@ from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.pad_states import state_matrix_with_pads
 
 HIGHEST_MODE = 2.0
-"""Highest frequency of modes that are looked at, as a multiple of the spin speed [-]: films whirl below it."""
+"""Highest frequency of modes that are told, as a multiple of the spin speed [-]: films whirl below it."""
+HIGHEST_GROWING = 10.0
+"""Highest frequency of modes that may grow, as such a multiple [-]: large cross-coupled terms of other bearings raise it."""
+GROWING = -1e-5
+"""Logarithmic decrement below which a mode grows, and is not merely undamped [-]."""
 SPEED_STEP = 1.05
 """Factor from speed to speed in the search for the onset of whirl [-]."""
 EXACT = 1e-3
@@ -38,7 +42,7 @@ class LeastDampedWhirl:
 
 
 def least_damped_whirl(
-    machine: Machine, equilibrium: FilmEquilibrium, *, coefficients: Floats | None = None
+    machine: Machine, equilibrium: FilmEquilibrium, *, coefficients: Floats | None = None, up_to: float = HIGHEST_MODE
 ) -> LeastDampedWhirl | None:
     """Solve for the least damped mode at an equilibrium; pads that tilt are degrees of freedom of their own.
 
@@ -49,11 +53,12 @@ def least_damped_whirl(
         equilibrium: Its equilibrium at a speed.
         coefficients: Coefficients (K,) of the machine at that speed, of films that deviate from their model [SI]. None for
             those of the equilibrium.
+        up_to: Highest frequency of modes that are looked at, as a multiple of the spin speed [-].
 
     Returns:
         The mode; None where none oscillates in the range of interest.
     """
-    highest = HIGHEST_MODE * equilibrium.speed
+    highest = up_to * equilibrium.speed
     basis = modal_basis(machine, highest)
     roots = np.linalg.eigvals(state_matrix_with_pads(machine, equilibrium, basis, coefficients=coefficients))
     slow = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= highest)]
@@ -90,5 +95,7 @@ def whirl_onset(machine: Machine, train: FilmTrain, *, first: float, last: float
 
 def _grows(machine: Machine, train: FilmTrain, speed: float) -> bool:
     equilibrium = train.equilibrium(speed)
-    mode = None if equilibrium is None else least_damped_whirl(machine, equilibrium)
-    return mode is not None and mode.log_decrement < 0.0
+    if equilibrium is None:
+        return False
+    mode = least_damped_whirl(machine, equilibrium, up_to=HIGHEST_GROWING)
+    return mode is not None and mode.log_decrement < GROWING

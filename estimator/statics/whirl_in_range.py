@@ -1,7 +1,7 @@
 """Tells whether a train as its document describes it would whirl, or its journals touch, at a speed that it is watched at.
 
-By the eigenvalues at its highest speed (Lund, J. Eng. Ind. 96 (1974) 509), of the modes in range; of films, by those at their
-equilibria (`film_stability`).
+By the eigenvalues at its highest speed (Lund, J. Eng. Ind. 96 (1974) 509), of the modes up to ten times that; of films, by
+those at their equilibria (`film_stability`).
 """
 
 import numpy as np
@@ -14,12 +14,10 @@ from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.system_matrices import system_matrices_over_speed
 from estimator.statics.equilibrium import film_train
 from estimator.statics.film_model import film_model
-from estimator.statics.film_stability import whirl_onset
+from estimator.statics.film_stability import HIGHEST_GROWING, whirl_onset
 from estimator.statics.solved_films import FilmTooThin
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
-HIGHEST_MODE = 2.0
-"""Highest frequency of modes that are looked at, as a multiple of the highest speed [-]."""
 GROWING = -1e-4
 """Damping ratio below which a mode grows, and is not merely undamped [-]."""
 
@@ -53,9 +51,9 @@ def whirl_words(machine: Machine) -> str:
     if follows_films(machine):
         return _of_films(machine)
     spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    matrices = system_matrices_over_speed(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))(spin)
+    matrices = system_matrices_over_speed(machine, basis=modal_basis(machine, HIGHEST_GROWING * spin))(spin)
     roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * spin))
-    roots = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= HIGHEST_MODE * spin)]
+    roots = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= HIGHEST_GROWING * spin)]
     if roots.size == 0 or (least := float(damping_ratio(roots).min())) >= GROWING:
         return ""
     return (

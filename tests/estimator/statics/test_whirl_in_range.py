@@ -50,6 +50,27 @@ def test_a_mode_that_grows_by_cross_coupled_stiffness_is_said() -> None:
     assert "a mode would grow (damping ratio -" in whirl_words(parse_machine(said))
 
 
+@pytest.mark.parametrize("linear", [1, 4])
+@pytest.mark.parametrize("factor", [1.0, 4.0, 10.0])
+def test_cross_coupled_stiffness_far_above_the_direct_is_said_however_large(factor: float, linear: int) -> None:
+    """The larger it is, the higher the frequency of the mode that grows: beyond ten times the speed in the end."""
+    said = document("motor-compressor")
+    for bearing in said["bearings"][:linear]:
+        del bearing["film"], bearing["speed_dependence"]
+        bearing |= {
+            "kxx": 5e7,
+            "kyy": 5e7,
+            "kxy": factor * 5e7,
+            "kyx": -factor * 5e7,
+            "cxx": 3e4,
+            "cyy": 3e4,
+            "cxy": 0,
+            "cyx": 0,
+        }
+    words = whirl_words(parse_machine(said))
+    assert "would grow (damping ratio -0." in words or "would whirl from" in words
+
+
 def test_a_makers_table_is_judged_by_its_values_at_the_highest_speed() -> None:
     said = document("thesis-chapter-3")
     speeds = [300.0, 1200.0, 2100.0, 3000.0, 3600.0]
