@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.diagnosis.bayes_factors import Reference
+from estimator.diagnosis.baseline_reference import Reference
 from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import Observation
 from estimator.fit.estimates import CONFIDENCE_95

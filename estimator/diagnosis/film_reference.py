@@ -17,7 +17,7 @@ from estimator.alignment.healthy_films import coordinate_scales, machine_spread
 from estimator.alignment.open_stiffness import OPEN
 from estimator.alignment.run_likelihood import contained_prior
 from estimator.arrays import Floats
-from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
+from estimator.diagnosis.baseline_reference import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
 from estimator.diagnosis.healthy_variation import SCALE_FACTOR, channel_variation, slow_variation, typical_amplitude
 from estimator.diagnosis.hypotheses import hypotheses
 from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation, inverse, names_in_common

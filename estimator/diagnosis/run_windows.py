@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from estimator.alignment.healthy_films import stated_variation
-from estimator.diagnosis.bayes_factors import STRONG, Diagnosis, Reference, agreement, diagnose, reference
+from estimator.diagnosis.baseline_reference import Reference, reference
+from estimator.diagnosis.bayes_factors import STRONG, Diagnosis, agreement, diagnose
 from estimator.diagnosis.data_faults import DataFault, fits, is_trusted
 from estimator.diagnosis.film_reference import film_reference
 from estimator.diagnosis.finding_kind import Cause, FindingKind

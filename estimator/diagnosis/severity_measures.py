@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from estimator.diagnosis.bayes_factors import Reference
+from estimator.diagnosis.baseline_reference import Reference
 from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize
 from estimator.diagnosis.finding_kinds import finding_kind
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.diagnosis.bayes_factors import Deviation, Reference, diagnose, reference
+from estimator.diagnosis.baseline_reference import Reference, reference
+from estimator.diagnosis.bayes_factors import Deviation, diagnose
 from estimator.diagnosis.hypotheses import Hypothesis
 from estimator.diagnosis.observation import Observation
 from tests.estimator.diagnosis import watched_machine as plant
