@@ -8,7 +8,7 @@ likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machin
 stays refused: its document takes the channel as exact.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from operator import itemgetter
 
 import numpy as np
@@ -24,20 +24,19 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excita
 from estimator.fit.problem.linear_phasors import PhasorMemory
 from estimator.fit.validation.channel_sensitivity import channel_effects
 from estimator.fit.validation.goodness_of_fit import judge, remark
-from estimator.machine.parameter_description import describe
 from estimator.rotor.elimination import SingularCondensation
 
 SUSPECTS = 2
 """Number of channels whose errors are tried, those that explain most [-]: both probes of a bearing often do."""
-LEAST_PART = 0.5
-"""Part of what χ² is above its degrees of freedom that a channel must explain to first order to be tried [-]."""
 FEWEST_FREEDOM = 20
 """Fewest degrees of freedom beside which errors explain a run [-]: fewer numbers are explained by anything."""
 SPREAD = {"gain": 0.5, "run_out": 1e-4}
 """Standard deviations of each part of a gain and of a run-out that are free [-, m]: hardly anything is believed of them."""
 
 
-def fit_with_channel_errors(problem: FitProblem, refused: FitResult, beginning: Floats | None) -> ExplainedFit | None:
+def fit_with_channel_errors(
+    problem: FitProblem, refused: FitResult, beginning: Floats | None, suspects: Sequence[int]
+) -> ExplainedFit | None:
     """Fit a refused problem again with the gain and the run-out of one channel (module's docstring).
 
     Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
@@ -46,6 +45,7 @@ def fit_with_channel_errors(problem: FitProblem, refused: FitResult, beginning: 
         problem: The problem.
         refused: Its fit.
         beginning: Coordinates θ (n,) of the machine's last identification [-]; None where there is none.
+        suspects: Places of the channels that may explain it, that which explains most first.
 
     Returns:
         What the fit with the errors that explain most says; None where none is accepted, or coefficients are calibrated.
@@ -54,7 +54,7 @@ def fit_with_channel_errors(problem: FitProblem, refused: FitResult, beginning: 
         return None
     starts = [refused.theta] if beginning is None else [beginning, refused.theta]
     found = []
-    for channel in _suspects(problem, refused)[:SUSPECTS]:
+    for channel in suspects[:SUSPECTS]:
         accepted = next(_accepted(problem, channel, starts), None)
         if accepted is not None:
             found.append((accepted[1].misfit, channel, *accepted))
@@ -64,22 +64,6 @@ def fit_with_channel_errors(problem: FitProblem, refused: FitResult, beginning: 
     explained = _explained(problem, whole, best, problem.train.channels[channel])
     # One that is accepted with errors that say little has only begun elsewhere.
     return explained if explained.refused_chi_square - best.chi_square >= CLEAR_FALL else None
-
-
-def _suspects(problem: FitProblem, refused: FitResult) -> list[int]:
-    """Return the places of channels that explain much, that with which χ² would fall by the most first (score test)."""
-    least = LEAST_PART * (refused.chi_square - judge(problem, refused).degrees_of_freedom)
-    effects, falls = channel_effects(problem, refused), []
-    for channel, name in enumerate(problem.train.channels):
-        places = [place for place, of in enumerate(effects.names) if describe(of).channel == name]
-        information, score = effects.information[np.ix_(places, places)], effects.score[places]
-        size = np.sqrt(np.diag(information))
-        if places and np.all(size > 0.0):  # of a channel without phasors nothing is known
-            change = np.linalg.lstsq(information / np.outer(size, size), score / size)[0]
-            fall = float(change @ (score / size))
-            if fall >= least:
-                falls.append((fall, channel))
-    return [channel for _, channel in sorted(falls, reverse=True)]
 
 
 def _accepted(problem: FitProblem, channel: int, starts: list[Floats]) -> Iterator[tuple[FitProblem, FitResult]]:

@@ -34,8 +34,9 @@ from estimator.fit.identification import Identification, Options
 from estimator.fit.optimisation.multistart import BestFit, FitFailed, best_fit
 from estimator.fit.optimisation.nuisance_parameters import counted_by_effect, deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
-from estimator.fit.problem.fit_problem import FitProblem
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem_setup import condensed_problem
+from estimator.fit.suspected_errors import suspected_errors
 from estimator.fit.validation.calibration_conflict import calibration_conflict
 from estimator.fit.validation.form_discrepancy import needs_form
 from estimator.fit.validation.goodness_of_fit import is_unfinished, judge
@@ -175,14 +176,27 @@ def _fitted(
         fits = judge(problem, best.fit).accepted
     other, finished = None, not is_unfinished(problem, best.fit)
     if finished and (not fits or deviates_too_far(problem, best.fit)):
-        other = fit_with_channel_errors(problem, best.fit, begin)
-        if other is None:
-            other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
+        other = _with_suspected_errors(problem, best.fit, begin)
     if not fits and other is None and begin is not None and options.starts > 1:
         best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
     found = conclude(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
     return _TrainFit(problem, best, found, other)
+
+
+def _with_suspected_errors(problem: FitProblem, refused: FitResult, begin: Floats | None) -> ExplainedFit | None:
+    """Return an accepted fit with errors of a channel or of couplings, those first that explain more; None for none."""
+    suspects = suspected_errors(problem, refused)
+
+    def of_channel() -> ExplainedFit | None:
+        return fit_with_channel_errors(problem, refused, begin, suspects.channels)
+
+    def of_couplings() -> ExplainedFit | None:
+        return fit_with_run_outs(problem, refused.theta if begin is None else begin, near=begin is not None)
+
+    if suspects.couplings_first:
+        return of_couplings() or of_channel()
+    return of_channel() or of_couplings()
 
 
 def _changed_since_calibration(

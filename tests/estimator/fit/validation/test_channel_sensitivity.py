@@ -5,7 +5,6 @@ import pytest
 
 from estimator.fit import identify as identification
 from estimator.fit.identify import identify
-from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.document import Machine
 from tests.estimator.diagnosis import watched_machine as plant
@@ -65,7 +64,7 @@ def test_they_foretell_what_a_fit_with_a_free_gain_finds(machine: Machine) -> No
 def unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave refused fits without another one that the errors of one channel explain."""
 
-    def none(_problem: FitProblem, _refused: FitResult, _beginning: object) -> None:
+    def none(*_: object) -> None:
         return None
 
     monkeypatch.setattr(identification, "fit_with_channel_errors", none)
