@@ -13,6 +13,8 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 CODE = ("benchmarks", "estimator", "examples", "formats", "rotorundown", "service", "tests/film_plant")
 """Folders on whose files an outcome rests."""
+PAGES = ":(exclude)benchmarks/*/page.py"
+"""Modules that only write outcomes down, whatever these are."""
 T = TypeVar("T")
 
 
@@ -70,8 +72,8 @@ def is_kept(name: str) -> bool:
 def commit() -> str:
     """Return the commit that last changed the code, with a word where files differ from it; "unknown" outside a repository."""
     try:
-        name = _git("log", "-1", "--format=%h", "--", *CODE)
-        changed = _git("status", "--porcelain", "--untracked-files=no", "--", *CODE)
+        name = _git("log", "-1", "--format=%h", "--", *CODE, PAGES)
+        changed = _git("status", "--porcelain", "--untracked-files=no", "--", *CODE, PAGES)
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     return f"{name} with changes" if changed else name

@@ -2,10 +2,12 @@
 
 import argparse
 import math
+import shlex
 import statistics
+import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -24,6 +26,7 @@ from benchmarks.fleet.amount import (
 from benchmarks.fleet.histories import WEEKS_A_YEAR, Seasonality
 from benchmarks.fleet.judging import JudgedHistory, Named, judged, service_rule
 from benchmarks.fleet.measuring import PROCESSES, Ordered, each, kept, watched
+from benchmarks.fleet.page import write_page
 from benchmarks.fleet.scenarios import DRIFT_WEEKS, SCENARIOS
 
 SEED = 5
@@ -54,21 +57,22 @@ class SimulatedFleet:
                 yield Ordered(machine, self.scenario, SEASONS[number % 2], seed, number, self.watched)
 
 
-def fleets(scale: float) -> tuple[SimulatedFleet, ...]:
-    """Return the simulated fleets. scale: factor on the number of machines."""
+def fleets(scales: Mapping[str, float]) -> tuple[SimulatedFleet, ...]:
+    """Return the simulated fleets. scales: factors on the number of machines by scenario, that of "" for all others."""
 
-    def of(small: int, middle: int, large: int) -> dict[str, int]:
-        counts = {SMALL: small, MIDDLE: middle, LARGE: large}
-        return {name: max(2, round(scale * count)) for name, count in counts.items() if count}
+    def fleet(scenario: str, small: int, middle: int, large: int, *, watched: int = WEEKS_A_YEAR) -> SimulatedFleet:
+        counts, scale = {SMALL: small, MIDDLE: middle, LARGE: large}, scales.get(scenario, scales.get("", 1.0))
+        machines = {name: max(2, round(scale * count)) for name, count in counts.items() if count}
+        return SimulatedFleet(scenario, machines, watched)
 
     return (
-        SimulatedFleet("healthy", of(40, 40, 16)),
-        *(SimulatedFleet(scenario, of(12, 10, 2)) for scenario in DISTURBED),
-        SimulatedFleet("misalignment step", of(100, 100, 60), watched=10),
-        SimulatedFleet("smaller misalignment step", of(20, 20, 10), watched=10),
-        SimulatedFleet("misalignment drift", of(20, 20, 10)),
-        SimulatedFleet("bearing step", of(30, 30, 15), watched=16),
-        SimulatedFleet("run-out step", of(10, 3, 0), watched=8),
+        fleet("healthy", 40, 40, 16),
+        *(fleet(scenario, 12, 10, 2) for scenario in DISTURBED),
+        fleet("misalignment step", 100, 100, 60, watched=10),
+        fleet("smaller misalignment step", 20, 20, 10, watched=10),
+        fleet("misalignment drift", 20, 20, 10),
+        fleet("bearing step", 30, 30, 15, watched=16),
+        fleet("run-out step", 10, 3, 0, watched=8),
     )
 
 
@@ -117,10 +121,9 @@ def part_interval(count: int, of: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
-def report(found: Sequence[FleetResult]) -> str:
-    """Return all figures."""
-    parts = (_amount(), _false_alarms(found), _power(found), _drift(found), _names(found), _matrix(found))
-    return "\n\n".join(_table(rows) for rows in parts)
+def report(found: Sequence[FleetResult]) -> list[list[list[str]]]:
+    """Return tables of all figures, each with its header first."""
+    return [_amount(), _false_alarms(found), _power(found), _drift(found), _names(found), _matrix(found)]
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:
@@ -243,17 +246,34 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run and print."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fleet", description="Simulated fleets, identified and judged")
     parser.add_argument("--short", action="store_true", help="a few machines, half a minute")
-    parser.add_argument("--scale", type=float, default=1.0, help="times as many machines, default 1")
+    words = "times as many machines, default 1; another factor of some scenarios as NAME=FACTOR"
+    parser.add_argument("--scale", nargs="+", type=scaled, default=[("", 1.0)], metavar="FACTOR", help=words)
     parser.add_argument("--seed", type=int, default=SEED, help=f"default {SEED}")
     parser.add_argument("--only", nargs="*", help="these scenarios only")
     parser.add_argument("--processes", type=int, default=PROCESSES, help=f"default {PROCESSES}")
     parser.add_argument("--keep", type=Path, help="folder that keeps what was identified, to judge it again")
+    parser.add_argument("--write", action="store_true", help="write docs/evidence-fleets.md with its figures")
     options = parser.parse_args(arguments)
-    chosen = SHORT if options.short else fleets(options.scale)
+    chosen = SHORT if options.short else fleets(dict(options.scale))
     orders = [order for one in chosen if one.scenario in (options.only or SCENARIOS) for order in one.orders(options.seed)]
     began = time.monotonic()
     found = each(partial(result, keep=options.keep), orders, processes=options.processes)
     years = sum(order.watched for order in orders) / WEEKS_A_YEAR
-    print(f"{len(orders)} machines, {years:.0f} machine-years of real identifications; seed {options.seed},", end=" ")
-    print(f"{time.monotonic() - began:.0f} s\n")
-    print(report(found))
+    amount = f"{len(orders)} machines, {years:.0f} machine-years of real identifications; seed {options.seed}"
+    print(f"{amount}, {time.monotonic() - began:.0f} s\n")
+    parts = report(found)
+    print("\n\n".join(map(_table, parts)))
+    if options.write:
+        command = shlex.join(sys.argv[1:] if arguments is None else arguments)
+        print(f"\nwritten: {write_page(parts, command=command, amount=amount)}")
+
+
+def scaled(word: str) -> tuple[str, float]:
+    """Return a factor with the scenario that it is for, "" for all others. Raises ArgumentTypeError."""
+    scenario, _, factor = word.rpartition("=")
+    try:
+        if scenario and scenario not in SCENARIOS:
+            raise ValueError(scenario)
+        return scenario, float(factor)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{word}' is neither a factor nor NAME=FACTOR of a scenario") from None

@@ -4,13 +4,14 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from benchmarks.figure_tables import fallen_words, figure_table
 from benchmarks.fluid_film.drawings import coefficients_over_speed, coverage_by_kind
 from benchmarks.fluid_film.film_fits import FEWEST
 from benchmarks.fluid_film.kinds_of_trains import FIRST_SEED, MOST_PLANTS
 from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.wrong_documents import FIRST_SEED as FIRST_WRONG_SEED
 from benchmarks.kept_outcomes import commit
-from benchmarks.thesis.tables import paragraphs, table
+from benchmarks.thesis.tables import paragraphs
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "evidence-films.md"
@@ -105,8 +106,7 @@ def _span(first: int, count: int) -> str:
 
 def _run(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int], left_out: Sequence[str]) -> str:
     only = f" --only {' '.join(found)}" if left_out else ""
-    short = sum(not one.kept for figures in found.values() for one in figures)
-    fallen = f"{short} of its figures {'falls' if short == 1 else 'fall'}" if short else "none of its figures falls"
+    fallen = fallen_words([one for figures in found.values() for one in figures])
     parts = [
         f"This page was written by `python -m benchmarks.fluid_film{only} --plants {counts(found, plants)} --write` on commit",
         f"{commit()}:",
@@ -134,7 +134,7 @@ def _sections(
 ) -> list[str]:
     parts = []
     for name, figures in found.items():
-        parts += [f"## {SECTIONS[name]}", seeds(name, plants[name]), _table(figures)]
+        parts += [f"## {SECTIONS[name]}", seeds(name, plants[name]), figure_table(figures)]
         if name == "film-fits":
             parts += [
                 "The films of bearing B1 of the plant of seed 0 as they were found, with 95 % bands; dashed the truth.",
@@ -146,17 +146,6 @@ def _sections(
         words = "Solid: 95 %; dashed: 86 %, the least that is asked of a kind. What is less than 70 % is drawn there."
         parts += ["## Intervals that hold, by kind", words, f"![coverage by kind]({coverage_by_kind(rows)})"]
     return [one for one in parts if one]
-
-
-def _table(figures: Sequence[ReportLine]) -> str:
-    rows = [[_shown(one.what), one.asked, f"{one.measured}{'' if one.kept else ' **SHORT**'}"] for one in figures]
-    return table(["what", "asked", "measured"], rows)
-
-
-def _shown(what: str) -> str:
-    """Return what a line tells; what belongs to the line before is moved in."""
-    text = what.strip()
-    return "&emsp;" * ((len(what) - len(text)) // 4) + text
 
 
 def _coverages(found: Mapping[str, Sequence[ReportLine]]) -> list[tuple[str, Mapping[str, float]]]:
