@@ -66,6 +66,8 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
         "analysts.md",
         "evidence.md",
         "evidence-films.md",
+        "evidence-alignment.md",
+        "evidence-fleets.md",
         "fleets.md",
         "faults.md",
     ),

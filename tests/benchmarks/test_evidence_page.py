@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = {one: (DOCS / one).read_text(encoding="utf-8").splitlines() for one in ("evidence.md", "evidence-films.md")}
+NAMES = ("evidence.md", "evidence-films.md", "evidence-alignment.md", "evidence-fleets.md")
+PAGES = {one: (DOCS / one).read_text(encoding="utf-8").splitlines() for one in NAMES}
 
 
 def test_every_chapter_is_there() -> None:
