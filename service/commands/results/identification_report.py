@@ -63,12 +63,7 @@ def _parameter_lines(estimates: Sequence[Estimate]) -> list[str]:
 
 
 def _summary_lines(estimates: Sequence[Estimate]) -> list[str]:
-    return [
-        "Values ± standard error",
-        *element_lines(estimates),
-        "",
-        "All parameters, a line each: --all; for a program: --json",
-    ]
+    return [*element_lines(estimates), "", "All parameters, a line each: --all; for a program: --json"]
 
 
 def find_helpful(machine: Machine, result: Identification, measurement: Measurement) -> list[Benefit]:

@@ -68,3 +68,8 @@ def test_the_speed_from_which_films_hold_stands_beside_the_speeds_that_were_fitt
     document = train.model_dump(mode="json")
     document["bearings"][1]["film"]["valid_above_rpm"] = 1200.0
     assert sample_words(result.identification, parse_machine(document)) == f"{fitted} (films hold from 1200 r/min on)"
+
+
+@pytest.mark.parametrize("every", [False, True])
+def test_estimates_have_one_heading(result: rd.Result, *, every: bool) -> None:
+    assert identification_text(result.machine, result.identification, every=every).count("Values ± standard error") == 1
