@@ -7,6 +7,8 @@ from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.updated_model.derived_quantities import Derived
 
 MICRO = 1e6
+WIDE = 20.0
+"""Width of an interval from which on parts of a micrometre, or of a microradian, say nothing [µm, µrad]."""
 SIGNS = "driven shaft over the driver's: up and along +x are positive, and faces that open below or on the side of -x"
 
 
@@ -53,4 +55,5 @@ def _value(one: Derived) -> str:
     if one.value is None or one.lower is None or one.upper is None:
         return f"not determined: {one.reason}"
     value, lower, upper = MICRO * one.value, MICRO * one.lower, MICRO * one.upper
-    return f"{value:+.4g} µ{one.unit} ({lower:+.4g} to {upper:+.4g})"
+    decimals = 0 if upper - lower >= WIDE else 1
+    return f"{value:+.{decimals}f} µ{one.unit} ({lower:+.{decimals}f} to {upper:+.{decimals}f})"

@@ -29,7 +29,7 @@ def test_offsets_are_reported_in_micrometres_with_their_interval_and_reasons_whe
     empty, heading, first, second = alignment_text([offset, angle]).split("\n")
     assert empty == ""
     assert "up and along +x are positive" in heading
-    assert first == "coupling.C1.offset_vertical  -83.2 µm (-151 to -15.4)"
+    assert first == "coupling.C1.offset_vertical  -83 µm (-151 to -15)"
     assert second == "coupling.C1.angle_vertical   not determined: the prior alone"
 
 
