@@ -127,8 +127,8 @@ class ObservedFit:
 
     Attributes:
         coordinates: Names of the n coordinates.
-        point: Values (n,) [SI, logarithms of direct terms].
-        covariance: Covariance (n, n) [SI²].
+        point: Values (n,), those that the effects are about [SI, logarithms of direct terms].
+        covariance: Covariance (n, n) of these [SI²].
         effects: Effects of errors of channels; None where an older release identified, which states nothing of the channels.
         accepted: Whether the fit was accepted.
         chi_square: χ² of the fit [-].
@@ -170,11 +170,14 @@ def observed_fit(identification: "Identification") -> ObservedFit:
     Returns:
         Its fit.
     """
+    effects, point, covariance = identification.channel_effects, identification.point, identification.covariance
+    if effects is not None:
+        point, covariance = effects.estimate(point, covariance)
     return ObservedFit(
         coordinates=identification.coordinates,
-        point=identification.point,
-        covariance=identification.covariance,
-        effects=identification.channel_effects,
+        point=point,
+        covariance=covariance,
+        effects=effects,
         accepted=identification.accepted,
         chi_square=identification.chi_square,
         degrees_of_freedom=identification.degrees_of_freedom,

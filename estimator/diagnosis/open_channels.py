@@ -32,8 +32,8 @@ def estimate_beside(
 ) -> tuple[Floats, Floats]:
     """Return a fit's estimate with the errors of chains free that causes stand for (score and information: Rao 1948).
 
-    So are errors along which alone the fit was accepted. What the run itself says of an error is in its effects; else hardly
-    anything is believed of it.
+    So are errors that the effects are linearised at: those along which alone the fit was accepted, or a gain that is clearly
+    off. What the run itself says of an error is in its effects; else hardly anything is believed of it.
 
     Source: score and information of errors that a fit left out, Rao (1948, doi:10.1017/S0305004100023987).
 
@@ -51,6 +51,7 @@ def estimate_beside(
     if effects is None:
         return point, covariance
     amplitude = dict(zip(channels, effects.amplitude, strict=True))
+    point, covariance = effects.estimate(point, covariance)
     found_at = np.zeros(len(effects.names)) if effects.at is None else effects.at
     places = [place for place, name in enumerate(effects.names) if describe(name).whole in wrong or found_at[place] != 0.0]
     if not places:

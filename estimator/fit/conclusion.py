@@ -89,7 +89,7 @@ def conclude(
         speed_maximum=float(speed.max()),
         noise=found.noise,
         outliers=outliers_by_channel(problem, found.outlier),
-        channel_effects=channel_effects_at_large_gain(problem, found, inflation=beside.inflation),
+        channel_effects=channel_effects_at_large_gain(problem, found, inflation=beside.inflation, accepted=verdict.accepted),
         doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in of_form.forces),
     )
 

@@ -15,7 +15,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from estimator.arrays import Floats
-from estimator.fit.explained_fit import ExplainedFit
+from estimator.fit.explained_fit import ExplainedFit, own_covariance
 from estimator.fit.large_gain_errors import CLEAR_FALL
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
@@ -118,13 +118,10 @@ def _explained(problem: FitProblem, whole: FitProblem, found: FitResult, name: s
     there = replace(found, theta=found.theta[: own.size])
     inflation = remark(whole, found).inflation
     effects = channel_effects(problem, there, inflation=inflation, at=errors)
-    precision = found.information[: own.size, : own.size] + own.prior.precision
-    size = np.sqrt(np.diag(precision))
-    covariance = inflation * np.linalg.inv(precision / np.outer(size, size)) * np.outer(own.unit / size, own.unit / size)
     at = np.zeros(len(effects.names)) if effects.at is None else effects.at
     return ExplainedFit(
         point=point[: own.size],
-        covariance=(covariance + covariance.T) / 2,
+        covariance=own_covariance(own, found, inflation=inflation),
         effects=effects,
         refused_chi_square=found.chi_square + inflation * float(at @ effects.information @ at),
         degrees_of_freedom=judge(whole, found).degrees_of_freedom,

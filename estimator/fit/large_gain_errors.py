@@ -4,7 +4,8 @@ Score and information tell of a gain to first order (`channel_sensitivity`). One
 it so far that the second order counts: what it leaves over looks like a change of a coupling or a bearing. So where a gain is
 clearly off the fit is done again with it, from its end, and everything is linearised there (Gaussian approximation of the
 likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4). The fit itself
-stays as it is: what it leaves out moves it from that point to its own along the secant between both.
+stays as it is. Of an accepted one the effects hold the estimates with that gain, too, which are what a diagnosis goes by; what
+a refused one leaves out moves it from that point to its own along the secant between both.
 """
 
 import numpy as np
@@ -12,11 +13,13 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from estimator.arrays import Floats
+from estimator.fit.explained_fit import own_covariance
 from estimator.fit.optimisation.maximum_likelihood import fit
 from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.channel_errors import UNIT_SPREAD, with_channel_errors
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import MOSTLY_LEFT_OUT, ChannelEffects, channel_effects
+from estimator.fit.validation.goodness_of_fit import remark
 from estimator.machine.parameter_description import COMPONENTS
 
 CLEAR_FALL = 20.0
@@ -43,7 +46,9 @@ class _GainError(Struct, frozen=True, eq=False):
     size: float
 
 
-def channel_effects_at_large_gain(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
+def channel_effects_at_large_gain(
+    problem: FitProblem, found: FitResult, *, inflation: float = 1.0, accepted: bool = False
+) -> ChannelEffects:
     """Compute the effects of errors of channels, beyond first order of the one gain that is clearly off (module's docstring).
 
     Calibrated fits and those that have given up a channel are told to first order, as are all without such a gain.
@@ -54,13 +59,13 @@ def channel_effects_at_large_gain(problem: FitProblem, found: FitResult, *, infl
         problem: The fit's problem.
         found: The fit.
         inflation: Factor by which the fit's covariance was widened [-]; the information and the score are divided by it.
+        accepted: Whether the fit was accepted.
 
     Returns:
-        Effects of e errors, about the fit's own point.
+        Effects of e errors, about the fit's own point; of an accepted fit about that with the gain.
     """
-    effects = channel_effects(problem, found, inflation=inflation)
-    own = problem.coordinates
-    clearest = None if own.calibrated is not None else _clearest(problem, found, effects)
+    effects, own = channel_effects(problem, found, inflation=inflation), problem.coordinates
+    clearest = _clearest(problem, found, effects)
     if clearest is None or clearest.fall * inflation < CLEAR_FALL or clearest.size < LARGE_GAIN:
         return effects
     behind = with_channel_errors(own, problem.train.channels, [("gain", clearest.channel)], spread=UNIT_SPREAD)
@@ -68,21 +73,24 @@ def channel_effects_at_large_gain(problem: FitProblem, found: FitResult, *, infl
     again = fit(free, np.concatenate([found.theta, np.zeros(len(clearest.names))]), near=True)
     if not again.converged or again.misfit >= found.misfit:
         return effects
-    gain = again.theta[own.size :]
-    there = replace(again, theta=again.theta[: own.size])
+    gain, there = again.theta[own.size :], replace(again, theta=again.theta[: own.size])
     at = dict(zip(clearest.names, gain.tolist(), strict=True))
+    if accepted:
+        widened = remark(replace(free, outlier=again.outlier), again).inflation
+        told = channel_effects(problem, there, inflation=widened, at=at)
+        return replace(told, point=own.point(there.theta), covariance=own_covariance(own, again, inflation=widened))
     told = channel_effects(problem, there, inflation=inflation, at=at)
     return _about(told, own.unit * (found.theta - there.theta), clearest.places, gain)
 
 
 def _clearest(problem: FitProblem, found: FitResult, effects: ChannelEffects) -> _GainError | None:
-    """Return the gain with which χ² would fall by the most (score test).
+    """Return the gain with which χ² would fall by the most (score test); none of a calibrated fit.
 
     None is asked where the fit has given up a channel: that one is at fault, and what it leaves over another's only in part.
     """
     usable = np.count_nonzero(problem.measurement.usable, axis=0)
     left_out = np.count_nonzero(found.outlier & problem.measurement.usable, axis=0)
-    if np.any(left_out > MOSTLY_LEFT_OUT * usable):
+    if problem.coordinates.calibrated is not None or np.any(left_out > MOSTLY_LEFT_OUT * usable):
         return None
     errors = []
     for channel, name in enumerate(problem.train.channels):

@@ -24,6 +24,8 @@ class _Block(msgspec.Struct, array_like=True):
     amplitude: tuple[float, ...]
     coordinates: int | None = None
     at: bytes = b""  # empty: linearised without errors, as older releases do
+    point: bytes = b""  # empty: the fit's own, as in older releases
+    covariance: bytes = b""
 
 
 def encode(effects: ChannelEffects) -> bytes:
@@ -37,6 +39,8 @@ def encode(effects: ChannelEffects) -> bytes:
         amplitude=effects.amplitude,
         coordinates=len(effects.bias),
         at=b"" if effects.at is None else _bytes(effects.at),
+        point=b"" if effects.point is None else _bytes(effects.point),
+        covariance=b"" if effects.covariance is None else _bytes(effects.covariance),
     )
     return zlib.compress(msgspec.msgpack.encode(block))
 
@@ -46,7 +50,7 @@ def decode(block: bytes) -> ChannelEffects:
     if block.startswith(ZIP):
         return _decode_zip(block)
     found = msgspec.msgpack.decode(zlib.decompress(block), type=_Block)
-    errors = len(found.names)
+    errors, own = len(found.names), len(found.point) // 8
     return ChannelEffects(
         names=found.names,
         bias=np.frombuffer(found.bias, "<f8").reshape(-1 if found.coordinates is None else found.coordinates, errors),
@@ -55,6 +59,8 @@ def decode(block: bytes) -> ChannelEffects:
         phasors=found.phasors,
         amplitude=found.amplitude,
         at=np.frombuffer(found.at, "<f8") if found.at else None,
+        point=np.frombuffer(found.point, "<f8") if found.point else None,
+        covariance=np.frombuffer(found.covariance, "<f8").reshape(own, own) if found.covariance else None,
     )
 
 

@@ -334,11 +334,13 @@ def fit(row: IdentificationRow) -> ObservedFit | None:
     """Return the fit of an identification for comparison; None for an identification by an older release."""
     if row.point is None or row.channel_effects is None:
         return None
+    effects = channel_effects.decode(row.channel_effects)
+    point, covariances = effects.estimate(np.frombuffer(row.point, "<f8"), covariance(row))
     return ObservedFit(
         coordinates=tuple(row.coordinates),
-        point=np.frombuffer(row.point, "<f8"),
-        covariance=covariance(row),
-        effects=channel_effects.decode(row.channel_effects),
+        point=point,
+        covariance=covariances,
+        effects=effects,
         accepted=row.accepted,
         chi_square=row.chi_square,
         degrees_of_freedom=row.degrees_of_freedom,

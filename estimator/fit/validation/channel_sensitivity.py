@@ -47,6 +47,8 @@ class ChannelEffects(Struct, frozen=True, eq=False):
         phasors: Number of used phasors of each of the m channels.
         amplitude: Median amplitude of the used phasors of each of the m channels [m], 0 where none was used.
         at: Errors (e,) that the fit was linearised at [unit]; None for none at all.
+        point: Values (n,) of the fit with these errors [SI or 1]; None where they are its own.
+        covariance: Covariance (n, n) of these, the errors being what they are [SI² or 1]; None where it is its own.
     """
 
     names: tuple[str, ...]
@@ -56,6 +58,23 @@ class ChannelEffects(Struct, frozen=True, eq=False):
     phasors: tuple[int, ...]
     amplitude: tuple[float, ...]
     at: Floats | None = None
+    point: Floats | None = None
+    covariance: Floats | None = None
+
+    def estimate(self, point: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+        """Return the estimates that the effects are about.
+
+        Args:
+            point: Values (n,) of the fit itself [SI or 1].
+            covariance: Their covariance (n, n) [SI² or 1].
+
+        Returns:
+            Values (n,) and covariance (n, n) with the errors that were found along, else those of the fit [SI or 1].
+        """
+        return (
+            point if self.point is None else self.point,
+            covariance if self.covariance is None else self.covariance,
+        )
 
 
 def channel_effects(

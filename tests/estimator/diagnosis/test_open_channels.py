@@ -62,6 +62,15 @@ def test_an_estimate_stays_where_no_chain_is_named() -> None:
     assert estimate_beside(point, covariance, effects, [("wear", "bearing.B1")], channels=("P1", "P2")) == (point, covariance)
 
 
+def test_estimates_with_a_gain_that_is_clearly_off_take_the_place_of_the_fits_own() -> None:
+    point, covariance, effects = told(2, [0.7, 0.7, 0.0, 0.0, 0.0])
+    expected = estimate_beside(point, covariance, effects, [], channels=("P1", "P2"))
+    about = structs.replace(effects, point=point, covariance=covariance)
+    found = estimate_beside(point + 1.0, 9.0 * covariance, about, [], channels=("P1", "P2"))
+    np.testing.assert_array_equal(found[0], expected[0])
+    np.testing.assert_array_equal(found[1], expected[1])
+
+
 def test_an_error_along_which_alone_a_fit_was_accepted_is_free_unnamed() -> None:
     point, covariance, effects = told(2, None)
     expected = estimate_beside(point, covariance, effects, [("sensor", "probe.P1")], channels=("P1", "P2"))

@@ -26,6 +26,20 @@ def effects() -> ChannelEffects:
     )
 
 
+def test_estimates_beside_a_large_gain_come_back_and_are_missing_from_older_blocks(effects: ChannelEffects) -> None:
+    random = np.random.default_rng(8)
+    about = replace(effects, point=random.standard_normal(5), covariance=random.standard_normal((5, 5)))
+    found = channel_effects.decode(channel_effects.encode(about))
+    assert found.point is not None
+    assert found.covariance is not None
+    np.testing.assert_array_equal(found.point, about.point)
+    np.testing.assert_array_equal(found.covariance, about.covariance)
+    fields = msgspec.msgpack.decode(zlib.decompress(channel_effects.encode(about)))
+    before = channel_effects.decode(zlib.compress(msgspec.msgpack.encode(fields[:8])))
+    assert before.point is None
+    assert before.covariance is None
+
+
 def assert_same(one: ChannelEffects, other: ChannelEffects) -> None:
     assert (one.names, one.phasors, one.amplitude) == (other.names, other.phasors, other.amplitude)
     for name in ("bias", "information", "score"):
