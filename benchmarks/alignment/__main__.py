@@ -35,7 +35,7 @@ from tests.film_plant.motor_compressor import CouplingKind
 
 KINDS: tuple[CouplingKind, ...] = ("rigid", "flexible")
 SHORT_PLANTS = 1
-USUAL_PLANTS = 40
+USUAL_PLANTS = 80
 RUN_OUT_PLANTS = 2
 """Number of plants whose coupling's run-outs are tried; a fleet tries as many as it has machines."""
 PAIRED_MACHINES = 2
