@@ -37,7 +37,7 @@ KINDS: tuple[CouplingKind, ...] = ("rigid", "flexible")
 SHORT_PLANTS = 1
 USUAL_PLANTS = 80
 RUN_OUT_PLANTS = 2
-"""Number of plants whose coupling's run-outs are tried; a fleet tries as many as it has machines."""
+"""Number of plants whose coupling's run-outs are tried, one in a short run; a fleet tries as many as it has machines."""
 PAIRED_MACHINES = 2
 """Machines of each train that the page tells of, for each pair of causes."""
 HEALTHY_FLEET, OTHER_FLEET = (44, 58), (20, 20)
@@ -110,7 +110,7 @@ def _figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
             continue
         yield from figures(kind, SHORT_PLANTS if chosen.short else chosen.plants, kept_only=chosen.kept)
         if not chosen.kept:
-            yield from run_out_figures(kind, RUN_OUT_PLANTS)
+            yield from run_out_figures(kind, SHORT_PLANTS if chosen.short else RUN_OUT_PLANTS)
 
 
 def _fleet_figures(chosen: argparse.Namespace) -> Iterator[ReportLine]:
