@@ -1,11 +1,11 @@
 """Effects of channels' errors where one channel's gain is far from what the document says.
 
-Score and information tell of a gain to first order (`channel_sensitivity`). One that is off by a fifth moves a fit without
-it so far that the second order counts: what it leaves over looks like a change of a coupling or a bearing. So where a gain is
+Score and information tell of a gain to first order (`channel_sensitivity`). One that is off by a fifth moves a fit without it
+so far that the second order counts: what it leaves over looks like a change of a coupling or a bearing. So where a gain is
 clearly off the fit is done again with it, from its end, and everything is linearised there (Gaussian approximation of the
 likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4). The fit itself
-stays as it is. Of an accepted one the effects hold the estimates with that gain, too, which are what a diagnosis goes by; what
-a refused one leaves out moves it from that point to its own along the secant between both.
+stays as it is. Of an accepted one on oil films the effects hold the estimates with that gain, too, which are what a diagnosis
+goes by; what a refused one leaves out moves it from that point to its own along the secant between both.
 """
 
 import numpy as np
@@ -62,7 +62,7 @@ def channel_effects_at_large_gain(
         accepted: Whether the fit was accepted.
 
     Returns:
-        Effects of e errors, about the fit's own point; of an accepted fit about that with the gain.
+        Effects of e errors, about the fit's own point; of an accepted fit on oil films about that with the gain.
     """
     effects, own = channel_effects(problem, found, inflation=inflation), problem.coordinates
     clearest = _clearest(problem, found, effects)
@@ -75,7 +75,8 @@ def channel_effects_at_large_gain(
         return effects
     gain, there = again.theta[own.size :], replace(again, theta=again.theta[: own.size])
     at = dict(zip(clearest.names, gain.tolist(), strict=True))
-    if accepted:
+    # Of constant coefficients the secant tells more of a small drift: with the estimates at the gain, a coupling is told too.
+    if accepted and own.nuisance.any():
         widened = remark(replace(free, outlier=again.outlier), again).inflation
         told = channel_effects(problem, there, inflation=widened, at=at)
         return replace(told, point=own.point(there.theta), covariance=own_covariance(own, again, inflation=widened))
