@@ -264,8 +264,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parts = report(found)
     print("\n\n".join(map(_table, parts)))
     if options.write:
-        command = shlex.join(sys.argv[1:] if arguments is None else arguments)
+        command = figures_command(sys.argv[1:] if arguments is None else arguments)
         print(f"\nwritten: {write_page(parts, command=command, amount=amount)}")
+
+
+def figures_command(arguments: Sequence[str]) -> str:
+    """Return the arguments that figures depend on: not in how many processes, nor what is kept where."""
+    left_out = {place + more for place, one in enumerate(arguments) if one in ("--processes", "--keep") for more in (0, 1)}
+    return shlex.join(one for place, one in enumerate(arguments) if place not in left_out)
 
 
 def scaled(word: str) -> tuple[str, float]:

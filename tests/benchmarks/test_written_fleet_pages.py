@@ -6,6 +6,7 @@ import pytest
 
 from benchmarks.alignment import page as alignment_page
 from benchmarks.fleet import page as fleet_page
+from benchmarks.fleet.report import figures_command
 from benchmarks.fluid_film.report_line import ReportLine
 
 
@@ -32,3 +33,8 @@ def test_a_page_of_fleets_leaves_tables_without_rows_out(tmp_path: Path, monkeyp
     assert [line for line in written.splitlines() if line.startswith("## ")] == [f"## {fleet_page.HEADINGS[1]}"]
     assert "| named | 3 |" in written
     assert "`python -m benchmarks.fleet --scale 0.1 --write` on commit" in " ".join(written.split())
+
+
+def test_the_command_of_a_page_leaves_out_what_no_figure_depends_on() -> None:
+    arguments = ["--scale", "0.1", "healthy=1.6", "--processes", "2", "--only", "probe drifts", "--keep", "folder", "--write"]
+    assert figures_command(arguments) == "--scale 0.1 healthy=1.6 --only 'probe drifts' --write"
