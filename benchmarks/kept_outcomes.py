@@ -10,21 +10,25 @@ from typing import Any, TypeVar
 import msgspec
 import numpy as np
 
-ROOT = Path(__file__).parents[1]
-CODE = ("benchmarks", "estimator", "examples", "formats", "rotorundown", "service", "tests/film_plant")
-"""Folders on whose files an outcome rests."""
-PAGES = ":(exclude)benchmarks/*/page.py"
-"""Modules that only write outcomes down, whatever these are."""
+from tests.imports import ROOT, imported_by, path_of
+
+DOCUMENTS = "examples"
+"""Folder of the documents that benchmarks read."""
+PAGE = "page.py"
+"""Name of modules that only write outcomes down, whatever these are."""
 T = TypeVar("T")
 
 
 class KeptOutcomes:
     """Outcomes by name in a file, a line of JSON each: those of this code are taken from it, others computed and added."""
 
-    def __init__(self, file: Path) -> None:
-        """Read the outcomes of earlier runs of this code; a line that was cut short is left out and computed again."""
+    def __init__(self, file: Path, *, benchmark: str) -> None:
+        """Read what a benchmark's earlier runs kept with this code; a line that was cut short is computed again.
+
+        file: where outcomes are kept. benchmark: module or package that is run, on whose code they rest.
+        """
         self._file = file
-        self._commit = commit()
+        self._commit = commit(benchmark)
         self._known: dict[str, Any] = {}
         for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else []:
             try:
@@ -69,11 +73,17 @@ def is_kept(name: str) -> bool:
     return keeping is not None and name in keeping
 
 
-def commit() -> str:
-    """Return the commit that last changed the code, with a word where files differ from it; "unknown" outside a repository."""
+def commit(benchmark: str) -> str:
+    """Return the commit that last changed what a benchmark runs, with a word where files differ from it.
+
+    benchmark: module or package that is run; what counts are the modules of this project that it imports, and the documents.
+    Outside a repository the commit is "unknown".
+    """
+    paths = (path_of(one) for one in imported_by(benchmark) | imported_by(f"{benchmark}.__main__"))
+    code = [DOCUMENTS, *sorted(str(one) for one in paths if one is not None and one.name != PAGE)]
     try:
-        name = _git("log", "-1", "--format=%h", "--", *CODE, PAGES)
-        changed = _git("status", "--porcelain", "--untracked-files=no", "--", *CODE, PAGES)
+        name = _git("log", "-1", "--format=%h", "--", *code)
+        changed = _git("status", "--porcelain", "--untracked-files=no", "--", *code)
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     return f"{name} with changes" if changed else name

@@ -16,20 +16,20 @@ def imported_by(module: str) -> set[str]:
         one = waiting.pop()
         if one in found:
             continue
-        path = _path(one)
+        path = path_of(one)
         if path is None:
             continue
         found.add(one)
         for name in _named_in(path):
             waiting.append(name)
-            if _path(name.split(".")[0]) is None:
+            if path_of(name.split(".")[0]) is None:
                 found.add(name.split(".")[0])
     return found
 
 
 def imported_directly_by(module: str) -> set[str]:
     """Return what one module names in its imports at run time."""
-    path = _path(module)
+    path = path_of(module)
     assert path is not None
     return set(_named_in(path))
 
@@ -51,7 +51,8 @@ def _named(node: ast.AST) -> Iterator[str]:
         yield from _named(child)
 
 
-def _path(module: str) -> Path | None:
+def path_of(module: str) -> Path | None:
+    """Return the file of a module of this project; None of another's."""
     path = ROOT.joinpath(*module.split("."))
     for one in (path.with_suffix(".py"), path / "__init__.py"):
         if one.is_file():

@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--happening", nargs="*", choices=HAPPENINGS, default=HAPPENINGS, help="what happens in the fleet")
     chosen = parser.parse_args(arguments)
     if chosen.keep is not None:
-        KEEPING.set(KeptOutcomes(chosen.keep))
+        KEEPING.set(KeptOutcomes(chosen.keep, benchmark="benchmarks.alignment"))
     sections = (
         _asked(chosen) if chosen.write else [("", _fleet_figures(chosen) if chosen.fleet is not None else _figures(chosen))]
     )

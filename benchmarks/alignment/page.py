@@ -47,8 +47,9 @@ def write_page(found: Mapping[str, Sequence[ReportLine]]) -> Path:
         The page.
     """
     fallen = fallen_words([one for figures in found.values() for one in figures])
+    code = commit("benchmarks.alignment")
     written = (
-        f"This page was written by `python -m benchmarks.alignment --write` on commit {commit()}: {fallen} short of what was "
+        f"This page was written by `python -m benchmarks.alignment --write` on commit {code}: {fallen} short of what was "
         "asked, as far as they are judged. Seeds are stated in the code, so that the same numbers come again."
     )
     parts, untold = [INTRODUCTION, textwrap.fill(written, 120, break_on_hyphens=False)], dict(CONDITIONS)

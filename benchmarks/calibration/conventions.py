@@ -221,7 +221,7 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, help="file that keeps outcomes, from which a run of this code goes on")
     asked = parser.parse_args()
     if asked.keep is not None:
-        KEEPING.set(KeptOutcomes(asked.keep))
+        KEEPING.set(KeptOutcomes(asked.keep, benchmark="benchmarks.calibration.conventions"))
     with threadpoolctl.threadpool_limits(1):
         lines = []
         for line in conventions_figures(asked.trials, asked.runs):

@@ -160,7 +160,7 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, help="file that keeps outcomes, from which a run of this code goes on")
     asked = parser.parse_args()
     if asked.keep is not None:
-        KEEPING.set(KeptOutcomes(asked.keep))
+        KEEPING.set(KeptOutcomes(asked.keep, benchmark="benchmarks.calibration.simulated_trains"))
     with threadpoolctl.threadpool_limits(1):
         lines = []
         for line in train_lines(asked.train or EVERY, asked.count):

@@ -37,7 +37,9 @@ def write_page(parts: Sequence[Sequence[Sequence[str]]], *, command: str, amount
     Returns:
         The page.
     """
-    written = f"This page was written by `python -m benchmarks.fleet {command}` on commit {commit()}: {amount}."
+    written = (
+        f"This page was written by `python -m benchmarks.fleet {command}` on commit {commit('benchmarks.fleet')}: {amount}."
+    )
     told = [INTRODUCTION, textwrap.fill(written, 120, break_on_hyphens=False)]
     for heading, (header, *rows) in zip(HEADINGS, parts, strict=True):
         if rows:

@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--keep", type=Path, help="file that keeps trials, from which a run of this code goes on")
     chosen = parser.parse_args(arguments)
     if chosen.keep is not None:
-        KEEPING.set(KeptOutcomes(chosen.keep))
+        KEEPING.set(KeptOutcomes(chosen.keep, benchmark="benchmarks.fluid_film"))
     asked: dict[str, int] = dict(chosen.plants)
     usual = asked.get("", USUAL_PLANTS)
     plants = {name: SHORT_PLANTS if chosen.short else asked.get(name, usual) for name in PARTS}

@@ -109,7 +109,7 @@ def _run(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int], l
     fallen = fallen_words([one for figures in found.values() for one in figures])
     parts = [
         f"This page was written by `python -m benchmarks.fluid_film{only} --plants {counts(found, plants)} --write` on commit",
-        f"{commit()}:",
+        f"{commit('benchmarks.fluid_film')}:",
         f"{fallen} short of what was asked, as far as they are judged.",
     ]
     if any(plants[name] < FEWEST for name in found if name == "film-fits"):

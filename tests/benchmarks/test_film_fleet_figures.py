@@ -37,7 +37,7 @@ def record(history: FilmHistory, *, moved_um: float, named: bool) -> FleetRecord
 
 
 def test_steps_that_growth_has_made_smaller_are_told_apart(tmp_path: Path) -> None:
-    kept = KeptOutcomes(tmp_path / "kept")
+    kept = KeptOutcomes(tmp_path / "kept", benchmark="benchmarks.alignment")
     for seed, moved_um, named in ((0, -28.0, True), (1, -8.0, False)):
         history = FilmHistory(100 + seed, "rigid", "step", LONGEST_BASELINE + 2 + seed)
         kept.outcome(record_name(history, weeks=WEEKS), FleetRecord, partial(record, history, moved_um=moved_um, named=named))
