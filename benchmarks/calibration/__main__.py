@@ -4,27 +4,32 @@ The measured rotor kit by its nameplate, calibrated anew without each fifth of i
 then estimated; beside it plain least squares in the same folds. Then from three runs only, simulated kits, also some whose
 gains change later, sweeps with weights stated rightly and wrongly, and their time; printed balancing cases, and influence
 coefficients on the kit. `--short` takes three splits and a few kits, and a minute. `--only PART` computes some parts alone.
-`--conventions` tries wrong conventions instead, for an hour or more.
+`--conventions` tries wrong conventions instead, for an hour or more. `--write` writes docs/evidence-calibration.md; with
+`--keep FILE` parts that were computed by this code are not computed again.
 
-    python -m benchmarks.calibration [--short] [--only PART …] [--conventions]
+    python -m benchmarks.calibration [--short] [--only PART …] [--keep FILE] [--write]
+    python -m benchmarks.calibration --conventions
 """
 
 import argparse
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.calibration.conventions import conventions_figures
 from benchmarks.calibration.field_balancing import measured_kit, printed_balancing
+from benchmarks.calibration.page import write_page
 from benchmarks.calibration.rotor_kit import HeldOut, by_condition, by_least_squares, by_model, folds, gathered, kit
 from benchmarks.calibration.simulated_kit import after_a_gain_changed, later_changes
 from benchmarks.calibration.simulated_trains import TRAINS, train_lines
 from benchmarks.calibration.sweep_time import SECONDS_ASKED, seconds_of_sweeps
 from benchmarks.calibration.wrong_weights import wrong_weights
 from benchmarks.fluid_film.report_line import ReportLine
+from benchmarks.kept_outcomes import KEEPING, KeptOutcomes, kept_or_computed
 
 SPLITS, BOTH_SPLITS, SHORT_SPLITS = 20, 5, 3
 KITS, SHORT_KITS = 60, 6
@@ -54,21 +59,39 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--short", action="store_true", help="few splits and kits")
     parser.add_argument("--conventions", action="store_true", help="wrong conventions of sources instead")
     parser.add_argument("--only", action="append", choices=list(PARTS), help="a part of the figures; by default all")
+    parser.add_argument("--keep", type=Path, help="file that keeps figures, from which a run of this code goes on")
+    parser.add_argument("--write", action="store_true", help="write docs/evidence-calibration.md with the figures")
     asked = parser.parse_args(arguments)
-    kept = True
+    if asked.conventions and (asked.write or asked.only):
+        parser.error("--conventions stands alone: its figures are no part of the page")
+    if asked.keep is not None:
+        KEEPING.set(KeptOutcomes(asked.keep, benchmark="benchmarks.calibration"))
+    found: dict[str, list[ReportLine]] = {}
     print(f"  {'calibration':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
-        for line in conventions_figures() if asked.conventions else figures(asked.only, short=asked.short):
-            print(line, flush=True)
-            kept &= line.kept
-    if not kept:
+        sections = [("", conventions_figures())] if asked.conventions else figures(asked.only, short=asked.short)
+        for name, lines in sections:
+            found[name] = []
+            for line in lines:
+                print(line, flush=True)
+                found[name].append(line)
+    if asked.write:
+        print(f"written: {write_page(found)}")
+    if not all(line.kept for lines in found.values() for line in lines):
         raise SystemExit(1)
 
 
-def figures(parts: Sequence[str] | None = None, *, short: bool) -> Iterator[ReportLine]:
-    """Yield the figures of some parts, by default of all; a short run has few splits and leaves out what takes long."""
+def figures(parts: Sequence[str] | None = None, *, short: bool) -> Iterator[tuple[str, Iterable[ReportLine]]]:
+    """Yield some parts, by default all, and their figures; a short run has few splits and leaves out what takes long."""
     for name in parts or [name for name in PARTS if not (short and name in LONG)]:
-        yield from PARTS[name](short)
+        yield name, _figures_of(name, short=short)
+
+
+def _figures_of(part: str, *, short: bool) -> Iterable[ReportLine]:
+    """Return the figures of a part one by one; as a list where they are kept in a file."""
+    if KEEPING.get() is None:
+        return PARTS[part](short)
+    return kept_or_computed(f"{part}{', short' if short else ''}", list[ReportLine], lambda: list(PARTS[part](short)))
 
 
 def _influence(short: bool) -> Iterator[ReportLine]:

@@ -1,10 +1,12 @@
-"""Pages of the evidence on alignment and on fleets: what benchmarks write is whole, and says what falls short."""
+"""Pages of the evidence on alignment, fleets and calibration: what benchmarks write is whole, and says what falls short."""
 
 from pathlib import Path
 
 import pytest
 
 from benchmarks.alignment import page as alignment_page
+from benchmarks.calibration import page as calibration_page
+from benchmarks.calibration.__main__ import PARTS
 from benchmarks.fleet import page as fleet_page
 from benchmarks.fleet.report import figures_command
 from benchmarks.fluid_film.report_line import ReportLine
@@ -38,3 +40,15 @@ def test_a_page_of_fleets_leaves_tables_without_rows_out(tmp_path: Path, monkeyp
 def test_the_command_of_a_page_leaves_out_what_no_figure_depends_on() -> None:
     arguments = ["--scale", "0.1", "healthy=1.6", "--processes", "2", "--only", "probe drifts", "--keep", "folder", "--write"]
     assert figures_command(arguments) == "--scale 0.1 healthy=1.6 --only 'probe drifts' --write"
+
+
+def test_a_page_of_calibration_tells_of_the_parts_that_were_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibration_page, "PAGE", tmp_path / "calibration.md")
+    assert set(calibration_page.SECTIONS) == set(PARTS)
+    short = ReportLine("20 sweeps of 150 speeds", "<= 10 s", "11.0 s", False)
+    written = calibration_page.write_page({"sweeps": [short]}).read_text(encoding="utf-8")
+    assert "| 20 sweeps of 150 speeds | <= 10 s | 11.0 s **SHORT** |" in written
+    assert "`python -m benchmarks.calibration --only sweeps --write`" in " ".join(written.split())
+    assert [line for line in written.splitlines() if line.startswith("## ")] == ["## Time"]
+    whole = calibration_page.write_page({part: [short] for part in PARTS}).read_text(encoding="utf-8")
+    assert "`python -m benchmarks.calibration --write`" in " ".join(whole.split())
