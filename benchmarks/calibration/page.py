@@ -31,7 +31,7 @@ SECTIONS = {
     "both-speeds": ("The measured kit, both speeds in one fit", ""),
     "three-runs": (
         "The measured kit, from three runs",
-        "The bare kit and 48 g mm on each disc, and all nine sets of three with one weight from 24 g mm on each disc. Mountings "
+        "The bare kit and 48 g mm on each disc, and all nine sets with one weight from 24 g mm on each disc. Mountings "
         "of the kit differ by some 8 g mm, which three runs cannot show.",
     ),
     "printed": ("Printed balancing cases", ""),
