@@ -18,6 +18,7 @@ from tests.film_plant.wrong_documents import (
     diametral_clearances,
     elliptical,
     far_clearance,
+    loaded_on_pads,
     oils_of_the_next_grade,
     overdamped_pedestals,
     shorter_bearings,
@@ -25,6 +26,7 @@ from tests.film_plant.wrong_documents import (
     supports_off,
     warming_oil,
     with_lifting_force,
+    with_raised_bearing,
 )
 
 LEAST_COVERAGE = 0.9
@@ -39,15 +41,19 @@ WRONG: dict[str, tuple[Alteration, Design]] = {
     "one clearance off by two priors": (far_clearance(PRIORS.clearance), Design()),
     "oil that warms, said to be of one viscosity": (warming_oil, Design()),
 }
+PADS_SLENDERNESS = (0.5,)
+"""Lengths of tilting pads over their diameter, for which tables are kept [-]."""
 EVERYWHERE: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], Design]] = {
     "all oils said to be of the next grade": (oils_of_the_next_grade, Design()),
     "diametral clearances said to be radial": (diametral_clearances, Design()),
     "all bearings said to be a fifth shorter": (shorter_bearings, Design()),
     "all pedestals said to be damped five times as much": (overdamped_pedestals, Design(pedestals=True)),
+    "loads between five pads said to be on a pad": (loaded_on_pads, Design(profile="five_pads", slenderness=PADS_SLENDERNESS)),
 }
 """Mistakes that a document makes alike at all bearings."""
 PEDESTAL_SPREAD = 0.2
 """Part by which each number of a pedestal may be off, rms [-]."""
+RAISED = "one elevation off by three priors"
 FORCED = "half a disc's weight lifted by an exact force that is not there"
 SUPPORTS = ("rolling elements 30 % off, said to be within 15 %", "a table 30 % off, said to be within 15 %")
 """Mistakes of documents of mixed plants: of even seeds, with rolling elements beside films, and of odd ones, with tables."""
@@ -60,6 +66,7 @@ def wrong_documents(plants: int) -> list[ReportLine]:
     for name, (mistake, design) in EVERYWHERE.items():
         rows.append(_wrong(name, trials_of(name, _altered(unaltered, design), seeds, document=partial(_mistaken, mistake))))
     rows.append(_wrong(FORCED, trials_of(FORCED, _altered(unaltered, Design()), seeds, document=_with_force)))
+    rows.append(_wrong(RAISED, trials_of(RAISED, _altered(unaltered, Design()), seeds, document=_raised)))
     for first, name in enumerate(SUPPORTS, start=FIRST_SEED):
         rows.append(_wrong(name, trials_of(name, _supported, range(first, first + 2 * plants, 2), document=as_drawn)))
     right = trials_of("right", lambda seed: random_plant(seed, discrepancy=DiscrepancySize()), seeds, bounded=True)
@@ -76,6 +83,10 @@ def wrong_documents(plants: int) -> list[ReportLine]:
 
 def _with_force(plant: Plant, _: int) -> dict[str, Any]:
     return with_lifting_force(film_document(plant), plant)
+
+
+def _raised(plant: Plant, seed: int) -> dict[str, Any]:
+    return with_raised_bearing(film_document(plant), seed)
 
 
 def _mistaken(mistake: Callable[[dict[str, Any]], dict[str, Any]], plant: Plant, seed: int) -> dict[str, Any]:

@@ -4,6 +4,7 @@ A worn bearing, other oil or a probe that reads otherwise would pass for a chang
 names is found first, and what it has moved is not held at the baseline's, as in alerts.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from msgspec import structs
@@ -40,16 +41,23 @@ def compared_identifications(
     Raises:
         ValueError: An identification is of another machine, or no elevation of its bearings is identified.
     """
-    before, after = updated_model(machine, baseline), updated_model(machine, later)
-    plain = compared_alignment([before], after, coupling)
+    before = _model(machine, baseline)
+    plain = compared_alignment([before], _model(machine, later), coupling)
     others = [one for one in _causes(machine, before, baseline, later) if one.kind != MISALIGNMENT]
     if not others:
         return plain
     named = tuple((one.kind, one.element) for one in others)
-    effects = later.channel_effects
-    point, covariance = estimate_beside(later.point, later.covariance, effects, named, channels=machine.channels)
-    beside = updated_model(machine, structs.replace(later, point=point, covariance=covariance))
+    beside = _model(machine, later, named)
     return replace(compared_alignment([before], beside, coupling, causes=moving_causes(named)), others=named)
+
+
+def _model(machine: Machine, one: Identification, named: Sequence[tuple[str, str]] = ()) -> UpdatedModel:
+    """Return the model of an identification, with errors of channels that are named, or that it has found along, free."""
+    effects = one.channel_effects
+    point, covariance = estimate_beside(one.point, one.covariance, effects, named, channels=machine.channels)
+    # Estimates of their own have their doubts about static loads in their covariance.
+    doubts = () if effects is not None and effects.point is not None else one.doubted_forces
+    return updated_model(machine, structs.replace(one, point=point, covariance=covariance, doubted_forces=doubts))
 
 
 def _causes(machine: Machine, before: UpdatedModel, baseline: Identification, later: Identification) -> tuple[Cause, ...]:

@@ -51,11 +51,7 @@ def conclude(
         The identification.
     """
     coordinates, found = problem.coordinates, best.fit
-    information = found.information + coordinates.prior.precision
-    covariance = np.linalg.inv(information)
-    covariance = (covariance + covariance.T) / 2
-    size = np.sqrt(np.diag(information))
-    condition = condition_number(information / np.outer(size, size))
+    covariance, condition = _covariance(problem, found)
     verdict = judge(problem, found)
     beside, of_form = VerdictRemark(), FormVerdict(covariance)
     doubtful, form_alone = frozenset[int](), frozenset[int]()
@@ -89,7 +85,9 @@ def conclude(
         speed_maximum=float(speed.max()),
         noise=found.noise,
         outliers=outliers_by_channel(problem, found.outlier),
-        channel_effects=channel_effects_at_large_gain(problem, found, inflation=beside.inflation, accepted=verdict.accepted),
+        channel_effects=channel_effects_at_large_gain(
+            problem, found, inflation=beside.inflation, widening=_widening if verdict.accepted else None
+        ),
         doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in of_form.forces),
     )
 
@@ -133,6 +131,23 @@ def _form_verdict(
         # Each is what one deviation alone leaves open.
         whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
     return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting, of_priors.standing_in)
+
+
+def _widening(problem: FitProblem, found: FitResult) -> tuple[float, Floats]:
+    """Return the factor by which the covariance of a fit is widened [-], and what is added besides (n, n) [-]."""
+    covariance, condition = _covariance(problem, found)
+    beside = remark(problem, found)
+    of_tables = judge_table_factors(problem, found, covariance)
+    of_form = _form_verdict(problem, found, covariance, condition, beside.inflation, of_tables)
+    left_open = 0.0 if beside.left_open is None else beside.left_open
+    return beside.inflation, of_form.covariance - beside.inflation * covariance + left_open
+
+
+def _covariance(problem: FitProblem, found: FitResult) -> tuple[Floats, float]:
+    """Return the covariance (n, n) of the fit coordinates [-], and the condition number of the information."""
+    information = found.information + problem.coordinates.prior.precision
+    covariance, size = np.linalg.inv(information), np.sqrt(np.diag(information))
+    return (covariance + covariance.T) / 2, condition_number(information / np.outer(size, size))
 
 
 def _left_to_form(coordinates: Coordinates, without: Floats, of_form: FormVerdict) -> frozenset[int]:

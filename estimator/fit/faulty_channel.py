@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.explained_fit import ExplainedFit, own_covariance
-from estimator.fit.large_gain_errors import CLEAR_FALL
+from estimator.fit.open_gains import CLEAR_FALL
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.channel_errors import with_channel_errors

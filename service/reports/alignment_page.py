@@ -30,7 +30,7 @@ def alignment_page(contents: ReportContents, fit: ReportedFit) -> str:
         return muted(language.translate("report.no_offsets"))
     if not fit.baseline:
         return muted(language.translate("report.not_compared", reason=in_language(fit.missing, language)))
-    models = [one.model for one in fit.baseline]
+    models = [one.model_beside(()) for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
         return muted(language.translate("report.other_unknowns"))
     change = run_change(models, fit.one.model_beside(fit.causes), causes=moving_causes(fit.causes))

@@ -20,6 +20,8 @@ CLEARANCE_PRIORS = 2.0
 """Error of the wrong clearance, in standard deviations of its prior [-]."""
 SUPPORTS_OFF = 0.3
 """Part by which all coefficients of bearings that are no films are off, up or down [-]: some two priors."""
+RAISED_BY = 3.0
+"""Error of a wrong elevation, in what the document says it may be off, rms [-]."""
 NEXT_GRADE = 1.45
 """Viscosity of an ISO VG grade over that of the one before (ISO 3448) [-]."""
 _OfBearing = Callable[[Bearing], Bearing]
@@ -77,6 +79,21 @@ def with_lifting_force(said: dict[str, Any], plant: Plant) -> dict[str, Any]:
     disc = said["discs"][0]
     force = 0.5 * plant.train.gravity * plant.train.discs[0].mass
     return said | {"static_loads": [{"id": "gear", "shaft": disc["shaft"], "station": disc["station"], "force_y": force}]}
+
+
+def with_raised_bearing(said: dict[str, Any], seed: int) -> dict[str, Any]:
+    """A document in which one bearing of films lies far too high or too low, or too far to one side."""
+    rng = np.random.default_rng(seed)
+    chosen = int(rng.integers(len(said["bearings"])))
+    bearing, axis = said["bearings"][chosen], str(rng.choice(["elevation_x", "elevation_y"]))
+    error = RAISED_BY * bearing["speed_dependence"]["elevation_spread"] * float(rng.choice([-1.0, 1.0]))
+    raised = bearing | {"film": bearing["film"] | {axis: error}}
+    return said | {"bearings": [raised if k == chosen else one for k, one in enumerate(said["bearings"])]}
+
+
+def loaded_on_pads(said: dict[str, Any]) -> dict[str, Any]:
+    """A document whose tilting pads are all said to carry their load on a pad."""
+    return _of_all_films(said, lambda film: film | {"pads": film["pads"] | {"load": "on_pad"}})
 
 
 def oils_of_the_next_grade(said: dict[str, Any]) -> dict[str, Any]:

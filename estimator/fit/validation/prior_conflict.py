@@ -10,7 +10,8 @@ the fit's covariance and P the prior's precision. Only directions count of which
 out: they move.
 
 A viscosity that contradicts its document is either the oil's, or stands for a length that is written wrongly: a short film
-carries by viscosity times length cubed (Ocvirk, NACA TN 2808, 1952). Data cannot tell these two, so each has half the
+carries by viscosity times length cubed (Ocvirk, NACA TN 2808, 1952). A clearance is either the bearing's, or stands for a
+preload: what a film of pads or lobes shows is (1 - preload) times it. Data cannot tell these two, so each has half the
 probability, and the value that is told has the variance of both together beside its own. What the film does is the same.
 """
 
@@ -44,8 +45,8 @@ ASKED = {
     "viscosities": "are the oil, its temperature and the bearings' geometry right?",
 }
 """Questions to a kind that contradicts its document."""
-STANDING_IN = "viscosities"
-"""The kind that may stand for geometry which the document gives wrongly."""
+STANDING_IN = ("radial clearances", "viscosities")
+"""Kinds that may stand for geometry which the document gives wrongly."""
 
 
 class _Conflict(Struct, frozen=True, eq=False):
@@ -76,15 +77,14 @@ def judge_priors(problem: FitProblem, found: FitResult, covariance: Floats) -> F
         The verdict, with the covariance as it is where there is no conflict, or no films.
     """
     coordinates = problem.coordinates
-    whole, remark, standing_in = covariance, "", None
+    whole, remark, standing_in = covariance, "", np.zeros(len(found.theta))
     for one in _conflicts(coordinates, found.theta, covariance):
         answer = covariance[:, one.places] / coordinates.spread[one.places] @ one.check.directions
         whole = whole + one.check.misplaced**2 * answer @ answer.T
         remark += f"; {_words(one, coordinates, found.theta)}"
-        if one.kind == STANDING_IN:
-            standing_in = np.zeros(len(found.theta))
+        if one.kind in STANDING_IN:
             standing_in[one.places] = 0.5 * (one.away * coordinates.spread[one.places]) ** 2
-    return FormVerdict(whole, remark=remark, standing_in=standing_in)
+    return FormVerdict(whole, remark=remark, standing_in=standing_in if standing_in.any() else None)
 
 
 def _conflicts(coordinates: Coordinates, theta: Floats, covariance: Floats) -> list[_Conflict]:

@@ -133,12 +133,12 @@ def _alignment(
 
     causes: kind and element of those that the machine's diagnosis has named.
     """
-    models = [each.model for each in baseline]
-    comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
-    change = run_change(models, one.model_beside(causes), causes=moving_causes(causes)) if comparable else None
+    models, now = [each.model_beside(()) for each in baseline], one.model_beside(causes)
+    comparable = bool(models) and all(each.coordinates == now.coordinates for each in models)
+    change = run_change(models, now, causes=moving_causes(causes)) if comparable else None
     if change is None:
-        return alignment_quantities(one.model), (), ()
-    return alignment_quantities(one.model), tolerated_changes(one.machine, changed_alignment(change)), changed_loads(change)
+        return alignment_quantities(now), (), ()
+    return alignment_quantities(now), tolerated_changes(one.machine, changed_alignment(change)), changed_loads(change)
 
 
 def _numbers(
