@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from estimator.alignment.alignment_comparison import compared_alignment
 from estimator.diagnosis.compared_identifications import compared_identifications
 from estimator.diagnosis.observation import observed_fit
 from estimator.fit.identification import Identification
@@ -16,6 +17,7 @@ from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.recorded_run import RecordedRun
+from estimator.updated_model.model import updated_model
 from service.monitoring.assessment.assess import assess
 from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
 from service.monitoring.rules.limits import Limits
@@ -232,6 +234,19 @@ def test_a_comparison_beside_a_probe_that_reads_too_much_leaves_open_what_that_h
     told = {one.name.rpartition(".")[2]: one for one in found.changes}
     for quantity, true in (("offset_vertical", -40e-6), ("offset_horizontal", 0.0)):
         assert told[quantity].value == pytest.approx(true, abs=1.5 * told[quantity].half), quantity
+
+
+@pytest.mark.parametrize("channel", ["B1X", "B3Y"])
+def test_a_probe_that_read_too_little_in_the_earlier_run_is_no_change_of_the_alignment(channel: str) -> None:
+    """By the earlier fit's own estimates, which take the gain as right, an angle or an offset would have changed."""
+    before = gated(run_of(plant(), np.random.default_rng(6)), 101, baseline()[0], gains={channel: 0.93})
+    later = gated(run_of(plant(), np.random.default_rng(5)), 100, baseline()[0])
+    assert before.accepted
+    own = compared_alignment([updated_model(machine(), before)], updated_model(machine(), later), "C1")
+    assert own.verdict.startswith("the alignment of C1 has changed")
+    found = compared_identifications(machine(), before, later, "C1")
+    assert found.others == (("sensor", f"probe.{channel}"),)
+    assert found.verdict.startswith("no change of the alignment of C1 is certain")
 
 
 @pytest.mark.parametrize("size", [0.7, pytest.param(2.0, marks=pytest.mark.long), 15.0])
