@@ -9,6 +9,7 @@ from msgspec.structs import replace
 from estimator.alignment.alignment_change import alignment_change_quantities
 from estimator.alignment.tolerance import allowed_alignment
 from estimator.arrays import Floats
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.document import parse_machine
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
@@ -16,6 +17,7 @@ from service.monitoring.assessment.context import WEEK
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.api_in_process import Api, problem, value
+from tests.estimator.diagnosis.test_film_reference import effects as no_errors
 from tests.estimator.updated_model.test_alignment_results import NAMES, machine_of, with_known_offset
 from tests.plant import KEY, START, identification, store_identification
 
@@ -37,13 +39,15 @@ def raised(by: float) -> Floats:
     return point
 
 
-def file(database: Database, week: int, point: Floats, *, run_kind: str = "run-down") -> None:
+def file(
+    database: Database, week: int, point: Floats, *, run_kind: str = "run-down", effects: ChannelEffects | None = None
+) -> None:
     outcome = identification(
         estimates=(),
         coordinates=MODEL.coordinates,
         point=point,
         covariance=MODEL.covariance,
-        channel_effects=None,
+        channel_effects=effects,
     )
     with database.transaction() as session:
         store_identification(
@@ -91,6 +95,29 @@ def test_alignment_is_reported_with_its_change_against_the_baseline(api: Api) ->
     assert 0.0 < offset["beyond"] <= 1.0
     assert numbers["coupling.C1.angle_vertical"]["beyond"] is None
     assert "hardly more" in numbers["coupling.C1.angle_vertical"]["absolute"]["reason"]
+
+
+def test_runs_whose_probe_was_off_are_compared_by_their_estimates_with_its_gain(api: Api) -> None:
+    """The alert goes by these, too: the table beside it tells the same."""
+    expected = api.value(f"/machines/{MACHINE.id}/alignment")["numbers"]
+    beside = replace(no_errors(len(MODEL.coordinates)), point=raised(MOVED), covariance=MODEL.covariance)
+    file(api.database, BASELINE + 2, raised(0.0), effects=beside)
+    found = api.value(f"/machines/{MACHINE.id}/alignment")
+    assert found["identification"] == BASELINE + 2
+    assert found["numbers"] == expected
+
+
+def test_a_baseline_whose_probe_was_off_is_that_of_its_estimates_with_the_gain(plant: Database) -> None:
+    with plant.transaction() as session:
+        machines.create(session, MACHINE)
+    aligned = replace(no_errors(len(MODEL.coordinates)), point=raised(0.0), covariance=MODEL.covariance)
+    for week in range(1, BASELINE + 1):
+        file(plant, week, raised(MOVED), effects=aligned)
+    file(plant, BASELINE + 1, raised(MOVED))
+    found = Api(plant).value(f"/machines/{MACHINE.id}/alignment")
+    offset = next(one for one in found["numbers"] if one["name"] == "coupling.C1.offset_vertical")
+    assert offset["change"]["lower"] < MOVED < offset["change"]["upper"]
+    assert offset["change"]["lower"] > 0.0
 
 
 def test_without_a_baseline_there_is_no_change_and_it_is_said(api: Api) -> None:
