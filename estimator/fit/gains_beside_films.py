@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.explained_fit import own_covariance
-from estimator.fit.open_gains import CLEAR_FALL, FitWithGains, GainError, clear_gains, fit_with_gains
+from estimator.fit.open_gains import CLEAR_FALL, FitWithGains, GainError, clear_gains, cost, fit_with_gains
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects
 
@@ -44,7 +44,7 @@ def effects_with_gains(
     Returns:
         Effects of e errors; None where no gain explains as much as the score has said.
     """
-    told, cost = None, found.misfit + problem.coordinates.prior.cost(found.theta)
+    told, left = None, cost(problem, found)
     opened: tuple[int, ...] = ()
     start = found.theta
     while clear and len(opened) < MOST_GAINS:
@@ -52,10 +52,10 @@ def effects_with_gains(
         if best is None:
             break
         factor, besides = widening(best.problem, best.found)
-        if cost - best.cost < CLEAR_FALL * factor:
+        if left - best.cost < CLEAR_FALL * factor:
             break
         told = _about(problem, best, factor, besides)
-        cost, opened, start = best.cost, best.channels, best.found.theta
+        left, opened, start = best.cost, best.channels, best.found.theta
         clear = clear_gains(problem, found, told, least=CLEAR_FALL, beside=opened)
     return told
 

@@ -1,5 +1,7 @@
 """Gains that are clearly off, as the score of a fit tells them, and the fit done again with some of them."""
 
+import math
+import sys
 from collections.abc import Mapping
 
 import numpy as np
@@ -53,8 +55,8 @@ class FitWithGains(Struct, frozen=True, eq=False):
 
     @property
     def cost(self) -> float:
-        """Return χ² and what the prior adds to it [-]."""
-        return self.found.misfit + self.problem.coordinates.prior.cost(self.found.theta)
+        """Return what it leaves over, with what the prior adds [-]."""
+        return cost(self.problem, self.found)
 
     def without(self, size: int) -> FitResult:
         """Return the fit with its own coordinates only.
@@ -66,6 +68,28 @@ class FitWithGains(Struct, frozen=True, eq=False):
             The fit.
         """
         return replace(self.found, theta=self.found.theta[:size])
+
+
+def cost(problem: FitProblem, found: FitResult) -> float:
+    """Return minus twice the logarithm of the posterior at a fit's end, less a constant of its data.
+
+    With a stated noise that is χ² and the prior's cost. Where the noise is estimated the fit's misfit is its variance, of n
+    numbers, and the likelihood's part n times the logarithm of that: a gain is judged by the ratio of variances.
+
+    Source: the likelihood of normal errors of unknown variance (Seber and Wild, Nonlinear Regression, 2003, sec. 2.2.1).
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        The cost [-].
+    """
+    prior = problem.coordinates.prior.cost(found.theta)
+    if not problem.noise.estimated:
+        return found.misfit + prior
+    numbers = 2 * np.count_nonzero(problem.measurement.usable)  # also those left out: the misfit counts them
+    return numbers * math.log(max(found.misfit, sys.float_info.min)) + prior
 
 
 def clear_gains(

@@ -46,6 +46,19 @@ def test_both_probes_of_a_bearing_are_free_where_either_may_be_off() -> None:
     assert np.abs(effects.at[places] - [GAIN - 1.0, 0.0]).max() < CONFIDENCE_95 * error.max()
 
 
+def test_a_gain_is_found_as_well_where_the_noise_is_estimated() -> None:
+    """The misfit is then a variance [m²], whose falls are far less than those of χ²."""
+    said = film_document(plant())
+    estimated = parse_machine(said | {"noise": said["noise"] | {"estimated": True}})
+    stated = fitted(CHANNEL, gain=GAIN)
+    off = identify(estimated, with_errors(CHANNEL, gain=GAIN), beginning=healthy().point)
+    assert off.accepted
+    assert off.channel_effects is not None
+    assert off.channel_effects.at is not None
+    assert stated.channel_effects is not None
+    assert np.array_equal(off.channel_effects.at != 0.0, stated.channel_effects.at != 0.0)
+
+
 def test_a_second_gain_that_is_off_is_free_too() -> None:
     effects = fitted(0, 4, gain=1.12).channel_effects
     assert effects is not None
