@@ -53,10 +53,12 @@ def compared_identifications(
 
 def _model(machine: Machine, one: Identification, named: Sequence[tuple[str, str]] = ()) -> UpdatedModel:
     """Return the model of an identification, with errors of channels that are named, or that it has found along, free."""
-    effects = one.channel_effects
+    own, effects = updated_model(machine, one), one.channel_effects  # of another machine this says what it lacks
+    if effects is None:
+        return own
     point, covariance = estimate_beside(one.point, one.covariance, effects, named, channels=machine.channels)
     # Estimates of their own have their doubts about static loads in their covariance.
-    doubts = () if effects is not None and effects.point is not None else one.doubted_forces
+    doubts = one.doubted_forces if effects.point is None else ()
     return updated_model(machine, structs.replace(one, point=point, covariance=covariance, doubted_forces=doubts))
 
 
