@@ -34,7 +34,12 @@ SECTIONS = {
         "The bare kit and 48 g mm on each disc, and all nine sets with one weight from 24 g mm on each disc. Mountings "
         "of the kit differ by some 8 g mm, which three runs cannot show.",
     ),
-    "printed": ("Printed balancing cases", ""),
+    "printed": (
+        "Printed balancing cases",
+        "Printed inputs are rounded, and so are the corrections. Where a correction differs by more than 2 % from the published "
+        "one, it must be what the inputs give when they are solved by other means (*inputs*: the difference from that), and "
+        "leave no more than the published one does.",
+    ),
     "influence": ("Influence coefficients on the measured kit", ""),
     "simulated": ("Simulated kits", "Kits of seeds 0, 1, …, mounted anew before every run."),
     "changed-gains": (
