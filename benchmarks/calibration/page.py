@@ -36,9 +36,9 @@ SECTIONS = {
     ),
     "printed": (
         "Printed balancing cases",
-        "Printed inputs are rounded, and so are the corrections. Where a correction differs by more than 2 % from the published "
-        "one, it must be what the inputs give when they are solved by other means (*inputs*: the difference from that), and "
-        "leave no more than the published one does.",
+        "Printed inputs are rounded, and so are the corrections. Where a correction is more than 2 % from the published one, "
+        "it must be what the inputs give when solved by other means (*inputs*: the difference from that), and leave no "
+        "more than the published one does.",
     ),
     "influence": ("Influence coefficients on the measured kit", ""),
     "simulated": ("Simulated kits", "Kits of seeds 0, 1, …, mounted anew before every run."),

@@ -1,7 +1,6 @@
 """Gains that are clearly off, as the score of a fit tells them, and the fit done again with some of them."""
 
 import math
-import sys
 from collections.abc import Mapping
 
 import numpy as np
@@ -89,7 +88,7 @@ def cost(problem: FitProblem, found: FitResult) -> float:
     if not problem.noise.estimated:
         return found.misfit + prior
     numbers = 2 * np.count_nonzero(problem.measurement.usable)  # also those left out: the misfit counts them
-    return numbers * math.log(max(found.misfit, sys.float_info.min)) + prior
+    return numbers * math.log(max(found.misfit, float(np.finfo(float).tiny))) + prior
 
 
 def clear_gains(
