@@ -149,11 +149,19 @@ def _open_couplings(baseline: Sequence[Observation]) -> tuple[CompliantCouplings
     """Return the couplings whose stiffness a baseline's runs usually leave open by a large factor, and its errors [-]."""
     names = baseline[0].names
     found = compliant_couplings(names, np.ones(len(names)), np.array([one.reference for one in baseline]))
-    variance = np.median([np.diag(inverse(one.fitted)) for one in baseline], axis=0)
+    variance = np.median([_variances(one.fitted) for one in baseline], axis=0)
     kept = np.array([variance[place] > OPEN**2 for place in found.places], dtype=bool)
     places = tuple(place for place, one in zip(found.places, kept, strict=True) if one)
     errors = {names[place]: float(np.sqrt(variance[place])) for place in places}
     return CompliantCouplings(places, found.unit[kept], found.usual[kept]), errors
+
+
+def _variances(information: Floats) -> Floats:
+    """Return the variances (N,) that an information (N, N) leaves; infinite of what it says nothing of: a dead channel."""
+    told = np.diag(information) > 0.0
+    found = np.full(len(information), np.inf)
+    found[told] = np.diag(inverse(information[np.ix_(told, told)]))
+    return found
 
 
 def _by_compliance(couplings: CompliantCouplings, one: Observation) -> Observation:

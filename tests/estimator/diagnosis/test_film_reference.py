@@ -237,3 +237,14 @@ def test_a_fit_that_finds_a_stiff_coupling_soft_says_what_others_say() -> None:
     assert soft.causes[0].change == pytest.approx(usual.causes[0].change, abs=1e-6)
     held = diagnose(replace(reference, carried=None), [hardly_seeing_the_coupling(one, softer=3.0) for one in sunk])
     assert held.causes[0].evidence < usual.causes[0].evidence - 5.0
+
+
+def test_a_channel_that_was_dead_in_a_run_of_the_baseline_hides_no_coupling_that_is_left_open() -> None:
+    rng = np.random.default_rng(11)
+    runs = [hardly_seeing_the_coupling(says(fitted(drawn_run(machine(), VARIATION, rng), rng))) for _ in range(BASELINE)]
+    known = np.array([not name.startswith(f"probe.{CHANNELS[0]}.") for name in runs[0].names])
+    dead = replace(runs[0], information=runs[0].information * np.outer(known, known), gradient=known * runs[0].gradient)
+    whole = film_reference(MODEL.machine, runs, VARIATION)
+    found = film_reference(MODEL.machine, [dead, *runs[1:]], VARIATION)
+    assert set(found.left_open) == set(STIFFNESSES)
+    assert found.left_open == pytest.approx(whole.left_open, rel=0.1)
