@@ -54,6 +54,9 @@ NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
 
 
+LEAST_STAYING = 0.95
+"""Least part of the weeks in which a step that was named still stands under that name [-]."""
+
 FleetRecords = dict[Happening, list[FleetRecord]]
 """Records of a fleet by what happened to its machines."""
 
@@ -86,6 +89,7 @@ def fleet_figures(kind: CouplingKind, found: FleetRecords) -> Iterator[ReportLin
             yield _named(named, found[named], soon)
         if named == "step":
             yield from _whole_steps(kind, found[named])
+            yield from _staying(found[named])
     if moved := [*found["step"], *found["beyond"]]:
         yield _sizes(moved)
     yield from _alarms(found["beyond"], found["within"])
@@ -123,6 +127,19 @@ def _named(happening: Happening, records: Sequence[FleetRecord], soon: int) -> R
     kept = low >= asked if enough else high >= asked  # of few machines no more can be said
     measured = f"{sum(right)} of {len(right)} ({low:.0%}-{high:.0%})"
     return ReportLine(f"    {happening}: named within {soon} runs", f">= {asked:.0%}", measured, kept)
+
+
+def _staying(records: Sequence[FleetRecord]) -> Iterator[ReportLine]:
+    """Yield in which part of the weeks since it was first named a step stands under its name and no other."""
+    weeks = []
+    for one in records:
+        standing = [{(rule, element) for rule, element, _ in week} for week in one.standing]
+        first = next((place for place, week in enumerate(standing) if one.named in week), len(standing))
+        weeks += [week == {one.named} for week in standing[first:]]
+    if weeks:
+        part = sum(weeks) / len(weeks)
+        said = f"{sum(weeks)} of {len(weeks)} weeks"
+        yield ReportLine("        its kind stays while it stands", f">= {LEAST_STAYING:.0%}", said, part >= LEAST_STAYING)
 
 
 def _whole_steps(kind: CouplingKind, records: Sequence[FleetRecord]) -> Iterator[ReportLine]:

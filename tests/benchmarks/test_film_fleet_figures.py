@@ -51,6 +51,16 @@ def test_steps_that_growth_has_made_smaller_are_told_apart(tmp_path: Path) -> No
     assert told["where pedestals have not grown against it"] == "1 of 1"
 
 
+def test_weeks_in_which_a_named_step_stands_under_another_name_are_counted() -> None:
+    right, wrong = ("misalignment", "coupling.C1", "warning"), ("wear", "bearing.B2", "warning")
+    history = FilmHistory(100, "rigid", "step", LONGEST_BASELINE + 2)
+    one = replace(record(history, moved_um=-28.0, named=True), standing=((), (right,), (right,), (), (right, wrong), (right,)))
+    found: FleetRecords = {name: [] for name in HAPPENINGS} | {"step": [one]}
+    told = {each.what.strip(): each for each in fleet_figures("rigid", found)}
+    assert told["its kind stays while it stands"].measured == "3 of 5 weeks"
+    assert not told["its kind stays while it stands"].kept
+
+
 @pytest.mark.parametrize(
     ("machines", "false", "kept"), [(40, 0, True), (40, 1, False), (85, 0, True), (85, 1, False), (130, 1, True)]
 )
