@@ -21,9 +21,12 @@ estimator/fit/problem: estimator estimator/bearings estimator/machine estimator/
 estimator/fit/optimisation: estimator estimator/fit/problem estimator/machine estimator/phasors estimator/rotor
 estimator/fit/validation: estimator estimator/bearings estimator/fit/optimisation estimator/fit/problem
     estimator/machine estimator/modes estimator/rotor estimator/statics
+estimator/fit/omitted_errors: estimator estimator/fit/optimisation estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/rotor
 estimator/machine/checks: estimator estimator/bearings estimator/machine
-estimator/fit: estimator estimator/bearings estimator/fit/optimisation estimator/fit/problem estimator/fit/validation
-    estimator/machine estimator/machine/checks estimator/phasors estimator/rotor estimator/statics
+estimator/fit: estimator estimator/bearings estimator/fit/omitted_errors estimator/fit/optimisation
+    estimator/fit/problem estimator/fit/validation estimator/machine estimator/machine/checks
+    estimator/phasors estimator/rotor estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
@@ -35,8 +38,8 @@ estimator/calibration: estimator estimator/fit estimator/fit/optimisation estima
     estimator/machine estimator/phasors estimator/rotor
 estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/fit/validation
     estimator/machine estimator/statics estimator/updated_model
-estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/fit/validation
-    estimator/machine estimator/rotor estimator/statics estimator/trends estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/omitted_errors estimator/fit/problem
+    estimator/fit/validation estimator/machine estimator/rotor estimator/statics estimator/trends estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/fit/optimisation estimator/fit/problem
     estimator/fit/validation estimator/machine estimator/phasors estimator/rotor estimator/updated_model
 storage:

@@ -57,9 +57,7 @@ def _model(machine: Machine, one: Identification, named: Sequence[tuple[str, str
     if effects is None:
         return own
     point, covariance = estimate_beside(one.point, one.covariance, effects, named, channels=machine.channels)
-    # Estimates of their own have their doubts about static loads in their covariance.
-    doubts = one.doubted_forces if effects.point is None else ()
-    return updated_model(machine, structs.replace(one, point=point, covariance=covariance, doubted_forces=doubts))
+    return updated_model(machine, structs.replace(one, point=point, covariance=covariance))
 
 
 def _causes(machine: Machine, before: UpdatedModel, baseline: Identification, later: Identification) -> tuple[Cause, ...]:

@@ -208,7 +208,7 @@ def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
         among = effects.information + effects.bias.T @ across
         information = np.block([[own, across], [across.T, among]])
         gradient = np.concatenate([gradient, effects.score])
-        errors = np.zeros(len(effects.names)) if effects.at is None else effects.at
+        errors = effects.errors
         phasors = dict(zip(channels, effects.phasors, strict=True))
         amplitude = dict(zip(channels, effects.amplitude, strict=True))
     return Observation(

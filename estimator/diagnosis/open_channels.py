@@ -6,19 +6,12 @@ knows nothing of that. To first order the fit says how an error would move it, a
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from estimator.arrays import Floats
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
+from estimator.fit.omitted_errors.open_errors import errors_found_along, with_open_errors
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.parameter_description import describe
 
-OPEN_GAIN = 0.5
-"""Standard deviation of each part of a gain that is free, as believed before the run [-]."""
-OPEN_RUN_OUT = 1.0
-"""Standard deviation of each part of a run-out that is free, in units of the channel's median amplitude [-]."""
-OPEN_ROTATING = {"rotating_offset": 1e-4, "rotating_angle": 1e-3}
-"""Standard deviations of each part of a coupling's run-outs of bore and face that are free [m, rad]."""
 _ERRORS = {one.kind: one.errors for one in FINDING_KINDS if one.errors}
 
 
@@ -50,23 +43,6 @@ def estimate_beside(
     wrong = {f"{element}.{quantity}" for kind, element in named for quantity in _ERRORS.get(kind, ())}
     if effects is None:
         return point, covariance
-    amplitude = dict(zip(channels, effects.amplitude, strict=True))
-    point, covariance = effects.estimate(point, covariance)
-    found_at = np.zeros(len(effects.names)) if effects.at is None else effects.at
-    places = [place for place, name in enumerate(effects.names) if describe(name).whole in wrong or found_at[place] != 0.0]
-    if not places:
-        return point, covariance
-    spread = np.array([_spread(effects.names[place], amplitude) for place in places])
-    shift = effects.bias[:, places] * spread  # by an error of one standard deviation
-    own = effects.information[np.ix_(places, places)]
-    left = np.linalg.inv(own * np.outer(spread, spread) + np.eye(len(places)))
-    error = spread * (left @ (spread * (effects.score[places] + own @ found_at[places])))
-    return point - effects.bias[:, places] @ (error - found_at[places]), covariance + shift @ left @ shift.T
-
-
-def _spread(name: str, amplitude: dict[str, float]) -> float:
-    """Return the standard deviation of an error that is free [unit of the error]."""
-    said = describe(name)
-    if said.quantity in OPEN_ROTATING:
-        return OPEN_ROTATING[said.quantity]
-    return OPEN_GAIN if said.quantity == "gain" else OPEN_RUN_OUT * amplitude[said.element_id]
+    found_along = set(errors_found_along(effects))
+    places = [place for place, name in enumerate(effects.names) if describe(name).whole in wrong or place in found_along]
+    return with_open_errors(*effects.estimate(point, covariance), effects, places, channels=channels)

@@ -7,25 +7,22 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.estimates import determined, estimates
+from estimator.fit.estimates import CONFIDENCE_95, determined, estimates
 from estimator.fit.identification import Identification
-from estimator.fit.large_gain_errors import channel_effects_at_large_gain
+from estimator.fit.omitted_errors.gains_beside_films import EstimatesWithGains, estimates_with_gains
+from estimator.fit.omitted_errors.large_gain_errors import along_secant
+from estimator.fit.omitted_errors.open_errors import errors_found_along
+from estimator.fit.omitted_errors.open_gains import CLEAR_FALL, clear_gains
 from estimator.fit.optimisation.multistart import BestFit
-from estimator.fit.optimisation.nuisance_parameters import excessive_deviations
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.validation.form_discrepancy import FormVerdict, judge_form, needs_form
-from estimator.fit.validation.goodness_of_fit import Verdict, VerdictRemark, judge, remark
+from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects
+from estimator.fit.validation.goodness_of_fit import Verdict, judge
 from estimator.fit.validation.identifiability import Reasons
-from estimator.fit.validation.omitted_forces import judge_exact_forces
-from estimator.fit.validation.omitted_warming import viscosity_trend, warming_words
+from estimator.fit.validation.interval_widths import IntervalWidths, interval_widths, plain_widths
 from estimator.fit.validation.physical_limits import LimitsFunction, without_growing_modes
-from estimator.fit.validation.prior_conflict import judge_priors
 from estimator.fit.validation.profile_likelihood import flat_coordinates
-from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
-from estimator.fit.validation.table_cross_terms import judge_table_cross_terms
-from estimator.fit.validation.table_factors import judge_table_factors
-from estimator.symmetric_eigen import condition_number
+from estimator.machine.parameter_description import COMPONENTS
 
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
@@ -38,7 +35,8 @@ def conclude(
     """Judge a fit: its verdict, estimates with intervals, or the reasons why there are none.
 
     Intervals are those of the Gaussian approximation at the maximum (Rasmussen and Williams, Gaussian Processes for Machine
-    Learning, 2006, sec. 3.4), as wide as the form over speed and the residuals ask for.
+    Learning, 2006, sec. 3.4), as wide as the form over speed and the residuals ask for. On oil films estimates allow for gains
+    that are clearly off.
 
     Args:
         problem: The problem.
@@ -50,34 +48,34 @@ def conclude(
     Returns:
         The identification.
     """
-    coordinates, found = problem.coordinates, best.fit
-    covariance, condition = _covariance(problem, found)
-    verdict = judge(problem, found)
-    beside, of_form = VerdictRemark(), FormVerdict(covariance)
-    doubtful, form_alone = frozenset[int](), frozenset[int]()
+    coordinates, found, verdict = problem.coordinates, best.fit, judge(problem, best.fit)
+    widths, doubtful = plain_widths(problem, found), frozenset[int]()
     if verdict.accepted:
-        beside = remark(problem, found)
-        of_tables = judge_table_factors(problem, found, covariance)
-        of_form = _form_verdict(problem, found, covariance, condition, beside.inflation, of_tables)
-        found, verdict = _possible(problem, found, of_form.applied(verdict), limits)
-        form_alone = _left_to_form(coordinates, of_tables.covariance, of_form)
-        covariance = of_form.covariance if beside.left_open is None else of_form.covariance + beside.left_open
-        if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
-            doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
+        widths = interval_widths(problem, found)
+        found, verdict = _possible(problem, found, widths.form.applied(verdict), limits)
+        if verdict.accepted and widths.condition > LARGEST_CONDITION and not coordinates.models:
+            decided = sorted(_determined(coordinates, widths.covariance))
+            doubtful = flat_coordinates(problem, found, widths.covariance, decided)
+    effects, gains = _effects(problem, found, widths, accepted=verdict.accepted)
+    words = ""
+    if gains is not None:
+        found, widths, words = replace(found, theta=gains.theta), gains.widths, _gain_words(problem, gains.effects)
     speed = problem.measurement.speed
-    why = None if reasons is None else reasons(problem, found, covariance)
-    if why is not None and form_alone:
-        why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
+    why = None if reasons is None else reasons(problem, found, widths.covariance)
+    if why is not None and verdict.accepted:
+        why = _with_form_alone(why, _left_to_form(coordinates, widths))
+    errors = widths.form.reported_errors(widths.covariance)
+    said = verdict.words + widths.form.remark + widths.form.resting + widths.words + words
     return Identification(
-        estimates=estimates(problem.train, coordinates, found.theta, of_form.reported_errors(covariance), why, doubtful),
+        estimates=estimates(problem.train, coordinates, found.theta, errors, why, doubtful),
         coordinates=coordinates.names,
-        covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
+        covariance=widths.covariance * np.outer(coordinates.unit, coordinates.unit),
         point=coordinates.point(found.theta),
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict="; ".join((verdict.words + of_form.remark + of_form.resting + beside.words, *best.remarks, *of_gaps)),
-        condition_number=condition,
+        verdict="; ".join((said, *best.remarks, *of_gaps)),
+        condition_number=widths.condition,
         starts=best.starts,
         iterations=best.iterations,
         samples=int(speed.size),
@@ -85,10 +83,8 @@ def conclude(
         speed_maximum=float(speed.max()),
         noise=found.noise,
         outliers=outliers_by_channel(problem, found.outlier),
-        channel_effects=channel_effects_at_large_gain(
-            problem, found, inflation=beside.inflation, widening=_widening if verdict.accepted else None
-        ),
-        doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in of_form.forces),
+        channel_effects=effects,
+        doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in widths.form.forces),
     )
 
 
@@ -106,58 +102,42 @@ def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict
     return {channel: int(count) for channel, count in zip(problem.train.channels, counts, strict=True) if count}
 
 
-def _form_verdict(
-    problem: FitProblem, found: FitResult, covariance: Floats, condition: float, inflation: float, of_tables: FormVerdict
-) -> FormVerdict:
-    """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations.
-
-    Its covariance is as wide as neighbouring residuals that are alike and all deviations ask for, refused or not.
-    """
-    trend = viscosity_trend(problem, found, covariance, inflation=inflation)
-    excess = excessive_deviations(problem, found, covariance) or warming_words(trend)
-    whole, words, remarks = inflation * covariance, excess, ""
-    of_forces = judge_exact_forces(problem, found, covariance, inflation=inflation)
-    if excess:  # what films cannot explain is no force's: scores say nothing then
-        return FormVerdict(whole, words, remarks, resting=of_forces.resting)
-    far = bool(of_tables.remark)
-    of_cross_terms = judge_table_cross_terms(problem, found, covariance, far=far, inflation=inflation)
-    of_sharpness = judge_sharp_deviations(problem, found, covariance, inflation=inflation)
-    of_priors = judge_priors(problem, found, covariance)
-    judged = [of_forces, of_sharpness, of_tables, of_cross_terms, of_priors]
-    if needs_form(problem):
-        of_form = judge_form(problem, found, covariance, condition)
-        judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))
-    for one in judged:
-        # Each is what one deviation alone leaves open.
-        whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
-    return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting, of_priors.standing_in)
+def _effects(
+    problem: FitProblem, found: FitResult, widths: IntervalWidths, *, accepted: bool
+) -> tuple[ChannelEffects, EstimatesWithGains | None]:
+    """Return the effects of channels' errors, and of an accepted fit on films its estimates with gains that are off."""
+    effects = channel_effects(problem, found, inflation=widths.inflation)
+    clear = clear_gains(problem, found, effects, least=CLEAR_FALL / widths.inflation)
+    # Of constant coefficients the secant tells more of a small drift: with the estimates at the gain, a coupling is told too.
+    if not accepted or not problem.coordinates.nuisance.any():
+        return along_secant(problem, found, effects, clear, inflation=widths.inflation), None
+    gains = estimates_with_gains(problem, found, clear)
+    return (effects, None) if gains is None else (gains.effects, gains)
 
 
-def _widening(problem: FitProblem, found: FitResult) -> tuple[float, Floats]:
-    """Return the factor by which the covariance of a fit is widened [-], and what is added besides (n, n) [-]."""
-    covariance, condition = _covariance(problem, found)
-    beside = remark(problem, found)
-    of_tables = judge_table_factors(problem, found, covariance)
-    of_form = _form_verdict(problem, found, covariance, condition, beside.inflation, of_tables)
-    left_open = 0.0 if beside.left_open is None else beside.left_open
-    return beside.inflation, of_form.covariance - beside.inflation * covariance + left_open
+def _gain_words(problem: FitProblem, effects: ChannelEffects) -> str:
+    """Return what is said of gains that estimates allow for: the part of what it should be that each probe reads."""
+    places = errors_found_along(effects)
+    among = np.linalg.inv(effects.information[np.ix_(places, places)])
+    half = dict(zip(places, (CONFIDENCE_95 * np.sqrt(np.diag(among))).tolist(), strict=True))
+    told = []
+    for name in problem.train.channels:
+        real, imaginary = (effects.names.index(f"probe.{name}.gain.{part}") for part in COMPONENTS)
+        if real in half:
+            read = abs(1.0 + complex(effects.errors[real], effects.errors[imaginary]))
+            told.append(f"{name} {read:.2f} ± {half[real]:.2f}")
+    return f"; estimates allow for gains that are clearly off: {', '.join(told)}"
 
 
-def _covariance(problem: FitProblem, found: FitResult) -> tuple[Floats, float]:
-    """Return the covariance (n, n) of the fit coordinates [-], and the condition number of the information."""
-    information = found.information + problem.coordinates.prior.precision
-    covariance, size = np.linalg.inv(information), np.sqrt(np.diag(information))
-    return (covariance + covariance.T) / 2, condition_number(information / np.outer(size, size))
-
-
-def _left_to_form(coordinates: Coordinates, without: Floats, of_form: FormVerdict) -> frozenset[int]:
+def _left_to_form(coordinates: Coordinates, widths: IntervalWidths) -> frozenset[str]:
     """Return the coordinates that only an assumed form determines: those that its possible deviations leave open.
 
     Deviations that the data show are told otherwise.
     """
-    if of_form.words or of_form.remark:
+    if widths.form.words or widths.form.remark:
         return frozenset()
-    return _determined(coordinates, without) - _determined(coordinates, of_form.covariance)
+    alone = _determined(coordinates, widths.without_forms) - _determined(coordinates, widths.form.covariance)
+    return frozenset(coordinates.names[place] for place in alone)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

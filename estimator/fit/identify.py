@@ -16,10 +16,7 @@ from estimator.fit.changed_coefficients import (
     without_gains_of_calibration,
 )
 from estimator.fit.conclusion import conclude, outliers_by_channel
-from estimator.fit.coupling_run_outs import fit_with_run_outs
-from estimator.fit.explained_fit import ExplainedFit
 from estimator.fit.far_moved_bearings import moved_far
-from estimator.fit.faulty_channel import fit_with_channel_errors
 from estimator.fit.fit_samples import (
     NotEnoughData,
     carried_by_films,
@@ -31,12 +28,15 @@ from estimator.fit.fit_samples import (
 )
 from estimator.fit.gap_checks import with_gaps
 from estimator.fit.identification import Identification, Options
+from estimator.fit.omitted_errors.coupling_run_outs import fit_with_run_outs
+from estimator.fit.omitted_errors.explained_fit import ExplainedFit
+from estimator.fit.omitted_errors.faulty_channel import fit_with_channel_errors, fit_with_errors_of_two
+from estimator.fit.omitted_errors.suspected_errors import suspected_errors
 from estimator.fit.optimisation.multistart import BestFit, FitFailed, best_fit
 from estimator.fit.optimisation.nuisance_parameters import counted_by_effect, deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem_setup import condensed_problem
-from estimator.fit.suspected_errors import suspected_errors
 from estimator.fit.validation.calibration_conflict import calibration_conflict
 from estimator.fit.validation.form_discrepancy import needs_form
 from estimator.fit.validation.goodness_of_fit import is_unfinished, judge
@@ -185,18 +185,17 @@ def _fitted(
 
 
 def _with_suspected_errors(problem: FitProblem, refused: FitResult, begin: Floats | None) -> ExplainedFit | None:
-    """Return an accepted fit with errors of a channel or of couplings, those first that explain more; None for none."""
+    """Return an accepted fit with errors of channels or of couplings, those first that explain more; None for none."""
     suspects = suspected_errors(problem, refused)
 
     def of_channel() -> ExplainedFit | None:
-        return fit_with_channel_errors(problem, refused, begin, suspects.channels)
+        return fit_with_channel_errors(problem, refused, begin, suspects)
 
     def of_couplings() -> ExplainedFit | None:
         return fit_with_run_outs(problem, refused.theta if begin is None else begin, near=begin is not None)
 
-    if suspects.couplings_first:
-        return of_couplings() or of_channel()
-    return of_channel() or of_couplings()
+    one = of_couplings() or of_channel() if suspects.couplings_first else of_channel() or of_couplings()
+    return one or fit_with_errors_of_two(problem, refused, begin, suspects)
 
 
 def _changed_since_calibration(

@@ -24,6 +24,9 @@ FITS: Mapping[str, str] = {
         "oder die Messwerte überlappen"
     ),
     "intervals are widened": "Vertrauensbereiche sind verbreitert",
+    "estimates allow for gains that are clearly off: {gains}": (
+        "die Schätzungen berücksichtigen Verstärkungen, die deutlich falsch sind: {gains}"
+    ),
     (
         "the run contradicts the document's calibration: if something has changed since, calibrate again or take "
         "`calibration` out (χ²/dof with it {reduced}"

@@ -201,6 +201,9 @@ VERDICTS: Mapping[str, str] = {
     "with another gain and run-out of probe {name} it would be accepted": (
         "mit einer anderen Verstärkung und einem anderen Rundlauffehler des Aufnehmers {name} würde es angenommen"
     ),
+    "with other gains and run-outs of the probes {one} and {other} it would be accepted": (
+        "mit anderen Verstärkungen und Rundlauffehlern der Aufnehmer {one} und {other} würde es angenommen"
+    ),
     "with the run-out of coupling {names}, which turns with the shaft, it would be accepted": (
         "mit einem Rundlauffehler der Kupplung {names}, der mit der Welle umläuft, würde es angenommen"
     ),

@@ -61,6 +61,11 @@ class ChannelEffects(Struct, frozen=True, eq=False):
     point: Floats | None = None
     covariance: Floats | None = None
 
+    @property
+    def errors(self) -> Floats:
+        """Return the errors (e,) that it was linearised at, 0 where it was so without them [unit]."""
+        return np.zeros(len(self.names)) if self.at is None else self.at
+
     def estimate(self, point: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         """Return the estimates that the effects are about.
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from estimator.diagnosis.open_channels import OPEN_GAIN, OPEN_RUN_OUT, estimate_beside
+from estimator.diagnosis.open_channels import estimate_beside
+from estimator.fit.omitted_errors.open_errors import OPEN_GAIN, OPEN_RUN_OUT
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
 
 NAMES = (

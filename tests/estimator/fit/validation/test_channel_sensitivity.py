@@ -62,12 +62,13 @@ def test_they_foretell_what_a_fit_with_a_free_gain_finds(machine: Machine) -> No
 
 @pytest.fixture
 def unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave refused fits without another one that the errors of one channel explain."""
+    """Leave refused fits without another one that the errors of channels explain."""
 
     def none(*_: object) -> None:
         return None
 
-    monkeypatch.setattr(identification, "fit_with_channel_errors", none)
+    for name in ("fit_with_channel_errors", "fit_with_errors_of_two"):
+        monkeypatch.setattr(identification, name, none)
 
 
 @pytest.mark.usefixtures("unexplained")

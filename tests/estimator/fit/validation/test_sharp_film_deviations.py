@@ -8,10 +8,10 @@ from msgspec import structs
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
-from estimator.fit import conclusion
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.validation import interval_widths as widths
 from estimator.fit.validation.form_discrepancy import FormVerdict
 from estimator.fit.validation.goodness_of_fit import VerdictRemark
 from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
@@ -52,6 +52,10 @@ def identified(plant: Plant, seed: int) -> Identification:
     return identify(parse_machine(film_document(plant)), measured(plant, seed=seed), Options(starts=3))
 
 
+def without_judgement(_problem: FitProblem, _found: FitResult, covariance: Floats, **_: float) -> FormVerdict:
+    return FormVerdict(covariance)
+
+
 def test_intervals_of_films_that_are_off_by_a_per_cent_here_and_there_widen_until_they_hold(
     plain: Plant, widened: Identification
 ) -> None:
@@ -87,7 +91,7 @@ def test_noise_that_the_last_pass_has_changed_by_a_little_shows_no_deviations(
         judged.append((problem, found, covariance))
         return FormVerdict(covariance)
 
-    monkeypatch.setattr(conclusion, "judge_sharp_deviations", seen)
+    monkeypatch.setattr(widths, "judge_sharp_deviations", seen)
     plant = reference_plant(1, "rigid", priors=ONE_SUPPLY)
     identified(plant, 1)
     ((problem, found, covariance),) = judged
@@ -101,7 +105,7 @@ def test_noise_that_the_last_pass_has_changed_by_a_little_shows_no_deviations(
 def test_they_are_wider_than_without_that_judgement(
     plain: Plant, widened: Identification, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
+    monkeypatch.setattr(widths, "judge_sharp_deviations", without_judgement)
     before = identified(plain, 101)
     assert WORDS not in before.verdict
     ratio = np.sqrt(np.diag(widened.covariance) / np.diag(before.covariance))
@@ -113,12 +117,12 @@ def test_they_are_wider_than_without_that_judgement(
 def test_films_that_are_off_by_more_than_the_document_says_are_refused(plain: Plant, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a document that allows half a per cent, where one per cent is true; χ² would accept it."""
     machine = parse_machine(film_document(plain, discrepancy=0.005))
-    monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
-    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
+    monkeypatch.setattr(widths, "excessive_deviations", lambda *_: "")
+    monkeypatch.setattr(widths, "viscosity_trend", lambda *_, **__: None)
     found = identify(machine, measured(plain, seed=101), Options(starts=3))
     assert not found.accepted
     assert "more than the document says (discrepancy)" in found.verdict
-    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
+    monkeypatch.setattr(widths, "judge_sharp_deviations", without_judgement)
     before = identify(machine, measured(plain, seed=101), Options(starts=3))
     ratio = np.sqrt(np.diag(found.covariance) / np.diag(before.covariance))
     assert ratio.min() > 1.0 - 1e-9
@@ -129,8 +133,8 @@ def test_films_that_the_data_hardly_tell_from_what_the_document_says_are_not_ref
     plain: Plant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The likeliest size is above the stated one, which is nearly as likely."""
-    monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
-    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
+    monkeypatch.setattr(widths, "excessive_deviations", lambda *_: "")
+    monkeypatch.setattr(widths, "viscosity_trend", lambda *_, **__: None)
     machine = parse_machine(without_run_scatter(film_document(plain, discrepancy=STATED)))
     found = identify(machine, measured(plain, seed=101), Options(starts=3))
     assert found.accepted, found.verdict
@@ -139,7 +143,7 @@ def test_films_that_the_data_hardly_tell_from_what_the_document_says_are_not_ref
 
 
 def test_residuals_that_are_alike_show_deviations_less(plain: Plant, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conclusion, "remark", lambda *_: VerdictRemark("", 30.0))
+    monkeypatch.setattr(widths, "remark", lambda *_: VerdictRemark("", 30.0))
     assert WORDS not in identified(plain, 101).verdict
 
 

@@ -1,4 +1,4 @@
-"""Fits with the errors of one channel: what they find, and that they explain nothing else."""
+"""Fits with the errors of one or two channels: what they find, and that they explain nothing else."""
 
 from functools import cache
 
@@ -18,6 +18,7 @@ from tests.film_plant.plants import random_plant
 CHANNEL = 3
 RUN_OUT = 2e-6 * np.exp(0.7j)
 WORDS = "with another gain and run-out of probe {} it would be accepted"
+BOTH = "with other gains and run-outs of the probes {} and {} it would be accepted"
 
 
 @cache
@@ -77,11 +78,25 @@ def test_a_refused_fit_tells_the_errors_of_the_one_channel_that_explains_it(
 _PARTS = [f"{quantity}.{part}" for quantity in ("gain", "run_out") for part in ("real", "imaginary")]
 
 
-@pytest.mark.long
-def test_no_channel_explains_what_two_have_done() -> None:
-    found = identify(machine(), with_errors(1, 4, run_out=RUN_OUT), beginning=healthy().point)
+@pytest.mark.parametrize(
+    ("two", "errors"), [((1, 4), {"run_out": RUN_OUT}), ((3, 6), {"gain": 0.8})], ids=["run-outs", "gains"]
+)
+def test_a_refused_fit_tells_the_errors_of_two_channels_that_explain_it(
+    two: tuple[int, int], errors: dict[str, complex]
+) -> None:
+    """The score suspects one of them first, or another pair."""
+    found = identify(machine(), with_errors(*two, **errors), beginning=healthy().point)
     assert not found.accepted
-    assert "with another gain" not in found.verdict
+    assert found.verdict.endswith(BOTH.format(*(machine().channels[one] for one in two)))
+    right = identify(machine(), with_errors(), beginning=healthy().point)
+    assert np.abs((found.point - right.point) / np.sqrt(np.diag(right.covariance))).max() < 3.5
+
+
+@pytest.mark.long
+def test_no_two_channels_explain_what_three_have_done() -> None:
+    found = identify(machine(), with_errors(1, 4, 6, run_out=RUN_OUT), beginning=healthy().point)
+    assert not found.accepted
+    assert "it would be accepted" not in found.verdict
 
 
 def test_a_beginning_without_a_model_is_left_out() -> None:

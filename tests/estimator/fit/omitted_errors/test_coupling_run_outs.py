@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from estimator.fit import coupling_run_outs
 from estimator.fit.coarse_fit import coarse_misfit
-from estimator.fit.coupling_run_outs import fit_with_run_outs
+from estimator.fit.omitted_errors import coupling_run_outs
+from estimator.fit.omitted_errors.coupling_run_outs import fit_with_run_outs
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, fit
 from estimator.fit.optimisation.multistart import chosen_start
 from estimator.fit.problem_setup import fit_problem

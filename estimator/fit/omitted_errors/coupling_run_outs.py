@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.explained_fit import ExplainedFit
-from estimator.fit.large_gain_errors import channel_effects_at_large_gain
+from estimator.fit.omitted_errors.explained_fit import ExplainedFit
+from estimator.fit.omitted_errors.large_gain_errors import channel_effects_at_large_gain
 from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates

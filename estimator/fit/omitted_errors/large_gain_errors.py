@@ -4,24 +4,41 @@ Score and information tell of a gain to first order (`channel_sensitivity`). One
 so far that the second order counts: what it leaves over looks like a change of a coupling or a bearing. So where a gain is
 clearly off the fit is done again with it, from its end, and everything is linearised there (Gaussian approximation of the
 likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4). The fit itself
-stays as it is. Of an accepted one on oil films the effects hold the estimates with that gain, too, which are what a diagnosis
-goes by (`gains_beside_films`); what a refused one leaves out moves it from there to its own along the secant between both.
+stays as it is: what it leaves out moves it from there to its own along the secant between both. Estimates of an accepted fit
+on oil films allow for the gain instead (`gains_beside_films`).
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from msgspec.structs import replace
 
 from estimator.arrays import Floats
-from estimator.fit.gains_beside_films import Widening, effects_with_gains
-from estimator.fit.open_gains import CLEAR_FALL, clear_gains, fit_with_gains
+from estimator.fit.omitted_errors.open_gains import CLEAR_FALL, GainError, clear_gains, fit_with_gains
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects
 
 
-def channel_effects_at_large_gain(
-    problem: FitProblem, found: FitResult, *, inflation: float = 1.0, widening: Widening | None = None
-) -> ChannelEffects:
+def channel_effects_at_large_gain(problem: FitProblem, found: FitResult) -> ChannelEffects:
     """Compute the effects of errors of channels, beyond first order of a gain that is clearly off (module's docstring).
+
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        Effects of e errors, about the fit's own point.
+    """
+    effects = channel_effects(problem, found)
+    return along_secant(problem, found, effects, clear_gains(problem, found, effects, least=CLEAR_FALL))
+
+
+def along_secant(
+    problem: FitProblem, found: FitResult, effects: ChannelEffects, clear: Sequence[GainError], *, inflation: float = 1.0
+) -> ChannelEffects:
+    """Return effects of errors beyond first order of the gain that is most clearly off.
 
     Calibrated fits and those that have given up a channel are told to first order, as are all without such a gain.
 
@@ -30,20 +47,14 @@ def channel_effects_at_large_gain(
     Args:
         problem: The fit's problem.
         found: The fit.
-        inflation: Factor by which the fit's covariance was widened [-]; the information and the score are divided by it.
-        widening: Function that says how an accepted fit is widened; None of a refused one.
+        effects: Effects of e errors to first order.
+        clear: Gains that are clearly off, that which explains most first.
+        inflation: Factor by which the fit's covariance was widened [-].
 
     Returns:
-        Effects of e errors, about the fit's own point; of an accepted fit on oil films about that with the gains.
+        Effects of e errors, about the fit's own point; the given ones where no gain is clearly off.
     """
-    effects, own = channel_effects(problem, found, inflation=inflation), problem.coordinates
-    clear = clear_gains(problem, found, effects, least=CLEAR_FALL / inflation)
-    if not clear:
-        return effects
-    # Of constant coefficients the secant tells more of a small drift: with the estimates at the gain, a coupling is told too.
-    if widening is not None and own.nuisance.any():
-        return effects_with_gains(problem, found, clear, widening) or effects
-    again = fit_with_gains(problem, found, (clear[0].channel,))
+    again, own = fit_with_gains(problem, found, (clear[0].channel,)) if clear else None, problem.coordinates
     if again is None or again.found.misfit >= found.misfit:
         return effects
     told = channel_effects(problem, again.without(own.size), inflation=inflation, at=again.gains)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from estimator.fit.omitted_errors.suspected_errors import SuspectedErrors, suspected_errors
 from estimator.fit.optimisation.maximum_likelihood import fit
 from estimator.fit.optimisation.multistart import chosen_start
 from estimator.fit.problem_setup import fit_problem
-from estimator.fit.suspected_errors import SuspectedErrors, suspected_errors
 from estimator.phasors.measurement import Measurement
 from tests.estimator.diagnosis import watched_machine as plant
 from tests.estimator.diagnosis.test_rotating_coupling import OFFSET, turning

@@ -1,20 +1,26 @@
-"""Effects of a gain that is clearly off: on oil films an accepted fit holds the estimates with that gain beside its own."""
+"""Gains that are clearly off: on oil films the estimates of an accepted fit allow for them."""
+
+import math
+import re
 
 import numpy as np
+import pytest
 
 from estimator.diagnosis.observation import observed_fit
 from estimator.diagnosis.open_channels import estimate_beside
+from estimator.fit import conclusion
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
-from estimator.machine.document import parse_machine
+from estimator.machine.document import Machine, parse_machine
 from estimator.machine.parameter_description import COMPONENTS, describe
 from tests.estimator.diagnosis import watched_machine
-from tests.estimator.fit.test_faulty_channel import healthy, machine, plant, with_errors
+from tests.estimator.fit.omitted_errors.test_faulty_channel import healthy, machine, plant, with_errors
 from tests.film_plant.documents import film_document
 from tests.film_plant.wrong_documents import diametral_clearances
 
 CHANNEL, GAIN = 5, 1.1
+WORDS = "estimates allow for gains that are clearly off: ([^;]+)"
 LEAST_WIDTH = 0.68
 """Standard error with a gain over that of the fit without it [-]; without the widening it falls to 0.64."""
 
@@ -23,16 +29,37 @@ def fitted(*channels: int, gain: complex = 1.0) -> Identification:
     return identify(machine(), with_errors(*channels, gain=gain), beginning=healthy().point)
 
 
-def test_estimates_with_the_gain_are_near_those_of_a_run_that_is_right() -> None:
-    right, off = fitted(), fitted(CHANNEL, gain=GAIN)
-    effects, error = off.channel_effects, np.sqrt(np.diag(right.covariance))
+def fitted_without_gains(machine_: Machine, monkeypatch: pytest.MonkeyPatch) -> Identification:
+    """Return the fit of the run whose probe is off, its estimates with the document's gains."""
+    with monkeypatch.context() as context:
+        context.setattr(conclusion, "estimates_with_gains", lambda *_: None)
+        return identify(machine_, with_errors(CHANNEL, gain=GAIN), beginning=healthy().point)
+
+
+def test_estimates_allow_for_the_gain_and_are_those_of_a_run_that_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    right, off, plain = fitted(), fitted(CHANNEL, gain=GAIN), fitted_without_gains(machine(), monkeypatch)
+    error = np.sqrt(np.diag(right.covariance))
     assert off.accepted
-    assert effects is not None
-    seen = observed_fit(off)
-    assert np.abs((seen.point - right.point) / error).max() < 0.5 * np.abs((off.point - right.point) / error).max()
-    free, covariance = estimate_beside(off.point, off.covariance, effects, [], channels=machine().channels)
+    assert np.abs((off.point - right.point) / error).max() < 0.5 * np.abs((plain.point - right.point) / error).max()
+    assert np.abs((off.point - right.point) / np.sqrt(np.diag(off.covariance) + error**2)).max() < CONFIDENCE_95
+    told, found = (re.search(WORDS, one.verdict) for one in (off, plain))
+    assert told is not None
+    assert found is None
+    gains = dict(part.split(" ", 1) for part in told.group(1).split(", "))
+    value, half = map(float, gains[machine().channels[CHANNEL]].split(" ± "))
+    assert abs(value - GAIN) < half < 0.3
+
+
+def test_what_is_told_is_what_a_diagnosis_goes_by() -> None:
+    """Histories, tables and alerts have the same number for the same thing."""
+    off = fitted(CHANNEL, gain=GAIN)
+    free, covariance = estimate_beside(off.point, off.covariance, off.channel_effects, [], channels=machine().channels)
+    np.testing.assert_allclose(free, off.point, rtol=1e-9)
+    np.testing.assert_allclose(covariance, off.covariance, rtol=1e-6, atol=1e-9 * np.diag(covariance).min())
+    clearance = off.estimate("bearing.B2.clearance")
+    assert clearance.value == pytest.approx(math.exp(free[off.coordinates.index("bearing.B2.clearance")]), rel=1e-9)
+    seen = observed_fit(off)  # with the gain being what it is: the observation has its error beside
     assert np.all(np.diag(covariance) >= np.diag(seen.covariance))
-    assert np.abs((free - right.point) / np.sqrt(np.diag(covariance) + error**2)).max() < CONFIDENCE_95
 
 
 def test_both_probes_of_a_bearing_are_free_where_either_may_be_off() -> None:
@@ -67,14 +94,16 @@ def test_a_second_gain_that_is_off_is_free_too() -> None:
     assert open_gains >= {machine().channels[0], machine().channels[4]}
 
 
-def test_what_widens_a_fit_widens_the_estimates_with_the_gain_too() -> None:
-    off = identify(parse_machine(diametral_clearances(film_document(plant()))), with_errors(CHANNEL, gain=GAIN))
+def test_what_widens_a_fit_widens_the_estimates_with_the_gain_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    described = parse_machine(diametral_clearances(film_document(plant())))
+    off = identify(described, with_errors(CHANNEL, gain=GAIN), beginning=healthy().point)
+    plain = fitted_without_gains(described, monkeypatch)
     effects = off.channel_effects
     assert off.accepted
     assert "intervals are widened" in off.verdict
     assert effects is not None
     assert effects.covariance is not None
-    assert np.sqrt(np.diag(effects.covariance) / np.diag(off.covariance)).min() > LEAST_WIDTH
+    assert np.sqrt(np.diag(effects.covariance) / np.diag(plain.covariance)).min() > LEAST_WIDTH
 
 
 def test_fits_without_such_a_gain_or_without_films_are_about_their_own_estimates() -> None:
