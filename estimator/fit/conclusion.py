@@ -7,11 +7,10 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.estimates import CONFIDENCE_95, determined, estimates
+from estimator.fit.estimates import determined, estimates
 from estimator.fit.identification import Identification
 from estimator.fit.omitted_errors.gains_beside_films import EstimatesWithGains, estimates_with_gains
 from estimator.fit.omitted_errors.large_gain_errors import along_secant
-from estimator.fit.omitted_errors.open_errors import errors_found_along
 from estimator.fit.omitted_errors.open_gains import CLEAR_FALL, clear_gains
 from estimator.fit.optimisation.multistart import BestFit
 from estimator.fit.problem.coordinates import Coordinates
@@ -22,7 +21,6 @@ from estimator.fit.validation.identifiability import Reasons
 from estimator.fit.validation.interval_widths import IntervalWidths, interval_widths, plain_widths
 from estimator.fit.validation.physical_limits import LimitsFunction, without_growing_modes
 from estimator.fit.validation.profile_likelihood import flat_coordinates
-from estimator.machine.parameter_description import COMPONENTS
 
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
@@ -56,10 +54,10 @@ def conclude(
         if verdict.accepted and widths.condition > LARGEST_CONDITION and not coordinates.models:
             decided = sorted(_determined(coordinates, widths.covariance))
             doubtful = flat_coordinates(problem, found, widths.covariance, decided)
-    effects, gains = _effects(problem, found, widths, accepted=verdict.accepted)
+    effects, gains = _effects(problem, found, widths, limits if verdict.accepted else None, accepted=verdict.accepted)
     words = ""
     if gains is not None:
-        found, widths, words = replace(found, theta=gains.theta), gains.widths, _gain_words(problem, gains.effects)
+        found, widths, words = replace(found, theta=gains.theta), gains.widths, gains.words
     speed = problem.measurement.speed
     why = None if reasons is None else reasons(problem, found, widths.covariance)
     if why is not None and verdict.accepted:
@@ -103,7 +101,7 @@ def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict
 
 
 def _effects(
-    problem: FitProblem, found: FitResult, widths: IntervalWidths, *, accepted: bool
+    problem: FitProblem, found: FitResult, widths: IntervalWidths, limits: LimitsFunction | None, *, accepted: bool
 ) -> tuple[ChannelEffects, EstimatesWithGains | None]:
     """Return the effects of channels' errors, and of an accepted fit on films its estimates with gains that are off."""
     effects = channel_effects(problem, found, inflation=widths.inflation)
@@ -112,21 +110,13 @@ def _effects(
     if not accepted or not problem.coordinates.nuisance.any():
         return along_secant(problem, found, effects, clear, inflation=widths.inflation), None
     gains = estimates_with_gains(problem, found, clear)
-    return (effects, None) if gains is None else (gains.effects, gains)
+    if gains is None or _grows(problem, replace(found, theta=gains.theta), limits):
+        return effects, None
+    return gains.effects, gains
 
 
-def _gain_words(problem: FitProblem, effects: ChannelEffects) -> str:
-    """Return what is said of gains that estimates allow for: the part of what it should be that each probe reads."""
-    places = errors_found_along(effects)
-    among = np.linalg.inv(effects.information[np.ix_(places, places)])
-    half = dict(zip(places, (CONFIDENCE_95 * np.sqrt(np.diag(among))).tolist(), strict=True))
-    told = []
-    for name in problem.train.channels:
-        real, imaginary = (effects.names.index(f"probe.{name}.gain.{part}") for part in COMPONENTS)
-        if real in half:
-            read = abs(1.0 + complex(effects.errors[real], effects.errors[imaginary]))
-            told.append(f"{name} {read:.2f} ± {half[real]:.2f}")
-    return f"; estimates allow for gains that are clearly off: {', '.join(told)}"
+def _grows(problem: FitProblem, found: FitResult, limits: LimitsFunction | None) -> bool:
+    return limits is not None and limits(problem).growing_mode(found.theta) is not None
 
 
 def _left_to_form(coordinates: Coordinates, widths: IntervalWidths) -> frozenset[str]:

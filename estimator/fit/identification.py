@@ -17,11 +17,13 @@ class Options(Struct, frozen=True):
         starts: Most starts tried before a misfit is reported.
         seed: Seed of the random starts.
         robust: Whether phasors that cannot be noise are left out.
+        explain: Whether a refused fit is done again with errors of channels and couplings that may explain it.
     """
 
     starts: int = 10
     seed: int = 0
     robust: bool = True
+    explain: bool = True
 
 
 class Identification(Struct, frozen=True, eq=False):

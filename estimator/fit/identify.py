@@ -175,7 +175,7 @@ def _fitted(
         best = replace(best, fit=moved_far(problem, best.fit, begin))
         fits = judge(problem, best.fit).accepted
     other, finished = None, not is_unfinished(problem, best.fit)
-    if finished and (not fits or deviates_too_far(problem, best.fit)):
+    if options.explain and finished and (not fits or deviates_too_far(problem, best.fit)):
         other = _with_suspected_errors(problem, best.fit, begin)
     if not fits and other is None and begin is not None and options.starts > 1:
         best = _best_of(problem, begin, options, starts=options.starts)
@@ -195,7 +195,9 @@ def _with_suspected_errors(problem: FitProblem, refused: FitResult, begin: Float
         return fit_with_run_outs(problem, refused.theta if begin is None else begin, near=begin is not None)
 
     one = of_couplings() or of_channel() if suspects.couplings_first else of_channel() or of_couplings()
-    return one or fit_with_errors_of_two(problem, refused, begin, suspects)
+    if one is not None or begin is None:  # of a machine that was never fitted the document is more likely wrong
+        return one
+    return fit_with_errors_of_two(problem, refused, begin, suspects)
 
 
 def _changed_since_calibration(

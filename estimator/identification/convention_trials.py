@@ -59,8 +59,8 @@ MOST_ODD = 2
 """Most runs of several on which alone hypotheses are tried."""
 MOST_LEFT_OUT = 0.1
 """Part of the phasors, those that fit worst, that a comparison of misfits leaves out [-]."""
-TRIAL = Options(starts=2)
-"""Options of a hypothesis's fit: a right one seldom needs a second start."""
+TRIAL = Options(starts=2, explain=False)
+"""Options of a hypothesis's fit: a right one seldom needs a second start, and a wrong one is not to be explained otherwise."""
 NO_FIT = (NotEnoughData, FitFailed, SingularCondensation)
 
 

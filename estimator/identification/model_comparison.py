@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.fit.changed_coefficients import CLEAR, without_calibrated_coefficients
 from estimator.fit.identification import Identification, Options
@@ -235,7 +236,7 @@ def _view(
     free: set[str],
     options: Options | None,
 ) -> View:
-    found = identify(machine, measurement, options)
+    found = identify(machine, measurement, replace(options or Options(), explain=False))
     phasors = int(np.count_nonzero(measurement.usable))
     # What was left out must cost a view as much as the worst noise would.
     left_out = 2 * math.log(phasors / OUTLIER_CHANCE) * sum(found.outliers.values())

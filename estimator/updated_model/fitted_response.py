@@ -4,11 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.fit.problem.channel_errors import UNIT_SPREAD, with_channel_errors
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.rotor.condensation import condense
+from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import sensitivity
 from estimator.updated_model.uncertainty import PhasorBand, phasor_band
 
@@ -29,7 +30,7 @@ def fitted_gains(machine: Machine, coordinates: tuple[str, ...], point: Floats) 
     Raises:
         ValueError: The identification is of another machine.
     """
-    own = Coordinates.of(condense(machine, speed=np.ones(1), direction=np.ones(1)), unbalance_scale=1.0)
+    own = _of(condense(machine, speed=np.ones(1), direction=np.ones(1)), coordinates)
     return own.channels.gains(_theta(machine, own, coordinates, point))
 
 
@@ -55,7 +56,7 @@ def fitted_response(
         ValueError: The identification is of another machine.
     """
     train = condense(machine, speed=speed, direction=direction)
-    own = Coordinates.of(train, unbalance_scale=1.0)
+    own = _of(train, coordinates)
     theta = _theta(machine, own, coordinates, point)
     known, rows = _known(own, coordinates)
     coefficients, direction = own.coefficients(theta), np.asarray(direction, dtype=float)
@@ -71,6 +72,19 @@ def fitted_response(
         return phasor_band(own.channels.gains(theta) * found.phasor + turned, slope, inner)
 
     return PhasorBand.joined([band(block) for block in train.blocks()])
+
+
+def _of(train: CondensedTrain, coordinates: tuple[str, ...]) -> Coordinates:
+    """Return the coordinates of a train, with those errors of its channels behind them that an identification has besides."""
+    own = Coordinates.of(train, unbalance_scale=1.0)
+    besides = {describe(name).whole for name in coordinates if name not in own.names}
+    errors = [
+        (quantity, place)
+        for place, channel in enumerate(train.channels)
+        for quantity in UNIT_SPREAD
+        if f"probe.{channel}.{quantity}" in besides
+    ]
+    return with_channel_errors(own, train.channels, errors, spread=UNIT_SPREAD) if errors else own
 
 
 def _theta(machine: Machine, own: Coordinates, coordinates: tuple[str, ...], point: Floats) -> Floats:

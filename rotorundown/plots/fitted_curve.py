@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.fit.omitted_errors.open_errors import beside_its_errors
 from estimator.units import METRES, PEAK, RAD_PER_S
 from estimator.updated_model.fitted_response import fitted_response
 from rotorundown.plots.protocols import PlottedResult
@@ -41,9 +42,9 @@ def fitted_curve(result: PlottedResult, speed_rpm: Floats | None = None) -> Fitt
     )
     band = fitted_response(
         result.machine,
-        found.coordinates,
-        found.point,
-        found.covariance,
+        *beside_its_errors(
+            found.coordinates, found.point, found.covariance, found.channel_effects, channels=result.machine.channels
+        ),
         speed=speed,
         direction=np.full(speed.size, float(result.machine.direction)),
     )

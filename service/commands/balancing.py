@@ -257,6 +257,7 @@ def _numbers(text: str, example: str, fewest: int, most: int, *, signed: bool = 
 def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
     """Return the influence coefficients of the model that the same runs identify, with a word where the fit is refused."""
     from estimator.balancing.model_influence import measured_model_influence
+    from estimator.fit.omitted_errors.open_errors import beside_its_errors
     from estimator.updated_model.model import updated_model
     from formats.recordings.recording import read_circumstances
     from service.commands.analysis import identified
@@ -271,4 +272,7 @@ def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
         )
     if not result.accepted:
         print_line(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
-    return measured_model_influence(updated_model(described, result), described, result.coordinates, result.point)
+    coordinates, point, _ = beside_its_errors(
+        result.coordinates, result.point, result.covariance, result.channel_effects, channels=described.channels
+    )
+    return measured_model_influence(updated_model(described, result), described, coordinates, point)

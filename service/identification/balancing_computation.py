@@ -75,7 +75,10 @@ def _is_copy(one: Measurement, other: Measurement) -> bool:
 
 def _balanced(task: BalancingTask) -> FieldBalancing:
     one = task.model
-    model = None if one is None else measured_model_influence(one.model, one.machine, one.coordinates, one.point)
+    model = None
+    if one is not None:
+        coordinates, point, _ = one.with_errors
+        model = measured_model_influence(one.model, one.machine, coordinates, point)
     try:
         return balance_from_trials(task.machine, task.initial, task.trials, options=task.options, model=model)
     except BalancingFailed as error:

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from estimator.arrays import Floats
 from estimator.diagnosis.open_channels import estimate_beside
 from estimator.errors import Conflict
+from estimator.fit.omitted_errors.open_errors import beside_its_errors
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
@@ -57,6 +58,11 @@ class Identified:
     def model(self) -> UpdatedModel:
         """Return the updated model in the sense of rotation of its runs."""
         return model_at(self.machine, self.coordinates, self.point, self.covariance).turning(self.direction)
+
+    @property
+    def with_errors(self) -> tuple[tuple[str, ...], Floats, Floats]:
+        """Return names, values and covariance of the coordinates and of the channels' errors that they were found along."""
+        return beside_its_errors(self.coordinates, self.point, self.covariance, self.effects, channels=self.machine.channels)
 
     def model_beside(self, causes: Iterable[tuple[str, str]]) -> UpdatedModel:
         """Return the model with errors of measuring chains free that causes stand for. causes: kind and element of each."""

@@ -64,9 +64,7 @@ def response_curves(one: Identified, speed_rpm: Floats | None = None) -> Respons
 def _curves(one: Identified, speed: Floats) -> ResponseCurves:
     band = fitted_response(
         one.machine,
-        one.coordinates,
-        one.point,
-        one.covariance,
+        *one.with_errors,
         speed=speed * RAD_PER_S["rpm"],
         direction=np.full(speed.size, float(one.direction)),
     )

@@ -24,8 +24,12 @@ FITS: Mapping[str, str] = {
         "oder die Messwerte überlappen"
     ),
     "intervals are widened": "Vertrauensbereiche sind verbreitert",
-    "estimates allow for gains that are clearly off: {gains}": (
-        "die Schätzungen berücksichtigen Verstärkungen, die deutlich falsch sind: {gains}"
+    "probe {name} clearly has another gain than the document says: estimates allow for that": (
+        "Aufnehmer {name} hat deutlich eine andere Verstärkung, als das Dokument sagt: Die Schätzungen berücksichtigen das"
+    ),
+    "of the probes {names} one at least clearly has another gain than documented: estimates allow for that": (
+        "von den Aufnehmern {names} hat mindestens einer deutlich eine andere Verstärkung als dokumentiert: Die Schätzungen "
+        "berücksichtigen das"
     ),
     (
         "the run contradicts the document's calibration: if something has changed since, calibrate again or take "

@@ -26,6 +26,7 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excita
 from estimator.fit.problem.linear_phasors import PhasorMemory
 from estimator.fit.validation.channel_sensitivity import channel_effects
 from estimator.fit.validation.goodness_of_fit import judge, remark
+from estimator.machine.parameter_description import COMPONENTS
 from estimator.rotor.elimination import SingularCondensation
 
 ATTEMPTS, ATTEMPTS_OF_TWO = 2, 4
@@ -61,13 +62,17 @@ def fit_with_channel_errors(
     second = clearest_other(explained.effects, problem.train.channels, beside=best.channels, least=CLEAR_FALL)
     if second is not None:
         both = _best(problem, [*suspects.pairs[:ATTEMPTS_OF_TWO], (*best.channels, second)], [*starts, _own(problem, best)])
-        if both is not None and best.cost - both.cost >= CLEAR_FALL * remark(best.problem, best.found).inflation:
+        if (
+            both is not None
+            and _each_is_clear(both)
+            and best.cost - both.cost >= CLEAR_FALL * remark(best.problem, best.found).inflation
+        ):
             best, explained = both, _explained(problem, both)
     return explained if _says_much(explained, best) else None
 
 
 def fit_with_errors_of_two(
-    problem: FitProblem, refused: FitResult, beginning: Floats | None, suspects: SuspectedErrors
+    problem: FitProblem, refused: FitResult, beginning: Floats, suspects: SuspectedErrors
 ) -> ExplainedFit | None:
     """Fit a refused problem again with the gains and the run-outs of two channels, where none explains it alone.
 
@@ -76,7 +81,7 @@ def fit_with_errors_of_two(
     Args:
         problem: The problem.
         refused: Its fit.
-        beginning: Coordinates θ (n,) of the machine's last identification [-]; None where there is none.
+        beginning: Coordinates θ (n,) of the machine's last identification [-].
         suspects: Channels that may explain it.
 
     Returns:
@@ -86,7 +91,7 @@ def fit_with_errors_of_two(
     if best is None:
         return None
     explained = _explained(problem, best)
-    return explained if _says_much(explained, best) else None
+    return explained if _says_much(explained, best) and _each_is_clear(best) else None
 
 
 def _starts(refused: FitResult, beginning: Floats | None) -> list[Floats]:
@@ -96,6 +101,19 @@ def _starts(refused: FitResult, beginning: Floats | None) -> list[Floats]:
 def _says_much(explained: ExplainedFit, best: "_WithErrors") -> bool:
     """Return whether the errors explain much: a fit that is accepted with small ones has only begun elsewhere."""
     return explained.refused_chi_square - best.found.chi_square >= CLEAR_FALL
+
+
+def _each_is_clear(both: "_WithErrors") -> bool:
+    """Return whether the errors of each channel are clear by themselves beside the other's (Wald's test)."""
+    coordinates, inflation = both.problem.coordinates, remark(both.problem, both.found).inflation
+    covariance = inflation * np.linalg.inv(both.found.information + coordinates.prior.precision)
+    for channel in both.channels:
+        first = (coordinates.channels.gain[channel], coordinates.channels.run_out[channel])
+        places = [place + part for place in first for part in range(len(COMPONENTS))]
+        errors = both.found.theta[places]
+        if errors @ np.linalg.solve(covariance[np.ix_(places, places)], errors) < CLEAR_FALL:
+            return False
+    return True
 
 
 class _WithErrors(Struct, frozen=True, eq=False):

@@ -17,6 +17,7 @@ from estimator.arrays import Floats
 from estimator.fit.omitted_errors.explained_fit import own_covariance
 from estimator.fit.omitted_errors.open_errors import errors_found_along, with_open_errors
 from estimator.fit.omitted_errors.open_gains import CLEAR_FALL, FitWithGains, GainError, clear_gains, cost, fit_with_gains
+from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.validation.interval_widths import IntervalWidths, interval_widths
@@ -37,11 +38,13 @@ class EstimatesWithGains(Struct, frozen=True, eq=False):
         theta: Values (n,) of the fit coordinates [-].
         widths: Widths of their intervals, as uncertain as the gains leave them.
         effects: Effects of e errors, about the estimates with these gains being what they are.
+        words: What is said of the gains, behind the verdict.
     """
 
     theta: Floats
     widths: IntervalWidths
     effects: ChannelEffects
+    words: str
 
 
 def estimates_with_gains(problem: FitProblem, found: FitResult, clear: Sequence[GainError]) -> EstimatesWithGains | None:
@@ -55,7 +58,7 @@ def estimates_with_gains(problem: FitProblem, found: FitResult, clear: Sequence[
         clear: Gains that are clearly off, that which explains most first.
 
     Returns:
-        The estimates; None where no gain explains as much as the score has said.
+        The estimates; None where no gain explains as much as the score has said, or only with films unlike the document's.
     """
     told, left = None, cost(problem, found)
     opened: tuple[int, ...] = ()
@@ -65,7 +68,7 @@ def estimates_with_gains(problem: FitProblem, found: FitResult, clear: Sequence[
         if best is None:
             break
         widths = interval_widths(best.problem, best.found)
-        if left - best.cost < CLEAR_FALL * widths.inflation:
+        if left - best.cost < CLEAR_FALL * widths.inflation or widths.form.words or deviates_too_far(best.problem, best.found):
             break
         effects = _about(problem, best, widths)
         told = (best, widths, effects)
@@ -111,4 +114,14 @@ def _estimates(problem: FitProblem, best: FitWithGains, widths: IntervalWidths, 
         theta=own.theta(point),
         widths=widths.of_first(own.size, covariance=covariance / np.outer(own.unit, own.unit)),
         effects=effects,
+        words=_words([channels[one] for one in sorted(best.channels)]),
+    )
+
+
+def _words(names: Sequence[str]) -> str:
+    """Return what is said of gains. Which one is off, and by how much, is for a diagnosis of several runs to tell."""
+    if len(names) == 1:
+        return f"; probe {names[0]} clearly has another gain than the document says: estimates allow for that"
+    return (
+        f"; of the probes {', '.join(names)} one at least clearly has another gain than documented: estimates allow for that"
     )

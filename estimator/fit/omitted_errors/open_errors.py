@@ -45,15 +45,56 @@ def with_open_errors(
     Returns:
         Values (n,) and covariance (n, n) [SI²]; the given ones where no error is free.
     """
-    if not places:
+    index = list(places)
+    if not index:
         return point, covariance
-    index, amplitude = list(places), dict(zip(channels, effects.amplitude, strict=True))
+    error, spread = _open_errors(effects, index, channels)
+    shift = effects.bias[:, index]
+    return point - shift @ (error - effects.errors[index]), covariance + shift @ spread @ shift.T
+
+
+def beside_its_errors(
+    coordinates: tuple[str, ...],
+    point: Floats,
+    covariance: Floats,
+    effects: ChannelEffects | None,
+    *,
+    channels: tuple[str, ...],
+) -> tuple[tuple[str, ...], Floats, Floats]:
+    """Return the estimates of a fit together with the errors of channels that they were found along, for predictions.
+
+    Source: score and information of errors that a fit left out, Rao (1948, doi:10.1017/S0305004100023987).
+
+    Args:
+        coordinates: Names of the n coordinates of a fit.
+        point: Values (n,) that it tells [SI, logarithms of direct terms].
+        covariance: Covariance (n, n) of these [SI²].
+        effects: Effects of errors about them; None where an older release states none.
+        channels: Ids of the m channels.
+
+    Returns:
+        Names, values and covariance of the n coordinates and of the e errors behind them; the given ones without any.
+    """
+    found_along = [] if effects is None else errors_found_along(effects)
+    index = (
+        [] if effects is None else [place for place in found_along if describe(effects.names[place]).element_kind == "probe"]
+    )
+    if effects is None or not index:
+        return coordinates, point, covariance
+    error, spread = _open_errors(effects, index, channels)
+    across = -effects.bias[:, index] @ spread
+    whole = np.block([[covariance, across], [across.T, spread]])
+    return (*coordinates, *(effects.names[place] for place in index)), np.concatenate([point, error]), whole
+
+
+def _open_errors(effects: ChannelEffects, index: list[int], channels: tuple[str, ...]) -> tuple[Floats, Floats]:
+    """Return errors (k,) that are free, and their covariance (k, k) [unit]."""
+    amplitude = dict(zip(channels, effects.amplitude, strict=True))
     spread = np.array([_spread(effects.names[place], amplitude) for place in index])
-    shift = effects.bias[:, index] * spread  # by an error of one standard deviation
     own = effects.information[np.ix_(index, index)]
     left = np.linalg.inv(own * np.outer(spread, spread) + np.eye(len(index)))
     error = spread * (left @ (spread * (effects.score[index] + own @ effects.errors[index])))
-    return point - effects.bias[:, index] @ (error - effects.errors[index]), covariance + shift @ left @ shift.T
+    return error, np.asarray(left * np.outer(spread, spread))
 
 
 def _spread(name: str, amplitude: dict[str, float]) -> float:

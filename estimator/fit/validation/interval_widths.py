@@ -61,7 +61,7 @@ class IntervalWidths(Struct, frozen=True, eq=False):
             covariance=covariance,
             form=replace(
                 form,
-                covariance=covariance,
+                covariance=form.covariance[:size, :size],
                 forces=tuple(replace(one, answer=one.answer[:size]) for one in form.forces),
                 standing_in=None if standing_in is None else standing_in[:size],
             ),

@@ -61,7 +61,7 @@ def _curves(one: Identified, held: list[UsedRun], points: int) -> tuple[Any, ...
 
 
 def _fit(one: Identified, machine: Any, speed: Any, direction: Any) -> PhasorBand:
-    return fitted_response(machine, one.coordinates, one.point, one.covariance, speed=speed, direction=direction)
+    return fitted_response(machine, *one.with_errors, speed=speed, direction=direction)
 
 
 def _speeds(run: UsedRun) -> tuple[Any, Any]:
