@@ -74,8 +74,8 @@ service/replication: service/configuration service/resilience storage/database s
     storage/tables
 service/sources: estimator estimator/machine estimator/runs estimator/simulation formats/recordings formats/wire
 rotorundown/environment:
-rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
-    estimator/updated_model rotorundown/environment
+rotorundown/plots: estimator estimator/fit estimator/fit/omitted_errors estimator/machine estimator/modes
+    estimator/phasors estimator/statics estimator/updated_model rotorundown/environment
 rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/identification estimator/machine estimator/machine/checks estimator/modes estimator/phasors
     estimator/simulation estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment
@@ -86,8 +86,8 @@ service/edge: estimator estimator/machine estimator/phasors estimator/signal for
 service/monitoring/rules: estimator estimator/diagnosis estimator/machine service/alerts service/wording
 service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model service/monitoring/rules service/wording storage/alerts storage/machines storage/measurements
-service/monitoring/assessment: estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
-    estimator/trends estimator/updated_model service/alerts service/monitoring/rules
+service/monitoring/assessment: estimator/alignment estimator/diagnosis estimator/fit estimator/fit/omitted_errors
+    estimator/machine estimator/rotor estimator/trends estimator/updated_model service/alerts service/monitoring/rules
 service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
     service/alerts service/configuration service/monitoring/assessment service/monitoring/rules service/replication
     service/resilience service/workers storage storage/alerts storage/database storage/findings storage/machines
@@ -105,10 +105,10 @@ service/opcua: estimator estimator/machine estimator/rotor estimator/updated_mod
     service/advice service/alerts service/configuration service/resilience service/runs service/security storage
     storage/alerts storage/database storage/findings storage/machines storage/operation storage/tables
 service/identification: estimator estimator/balancing estimator/calibration estimator/diagnosis estimator/fit
-    estimator/fit/validation estimator/identification estimator/machine estimator/modes estimator/phasors
-    estimator/runs estimator/updated_model rotorundown/environment
-    service/balancing service/configuration service/monitoring service/replication service/resilience service/workers
-    storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+    estimator/fit/omitted_errors estimator/fit/validation estimator/identification estimator/machine estimator/modes
+    estimator/phasors estimator/runs estimator/updated_model rotorundown/environment service/balancing
+    service/configuration service/monitoring service/replication service/resilience service/workers storage
+    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/diagnosis estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
     service/identification service/monitoring service/replication service/resilience
@@ -159,14 +159,15 @@ service/doctor: formats/wire service/api service/configuration service/delivery 
 service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
     estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
 service/commands: estimator estimator/balancing estimator/bearings estimator/calibration estimator/diagnosis
-    estimator/fit estimator/identification estimator/machine estimator/machine/checks estimator/phasors
-    estimator/simulation estimator/statics estimator/thesis estimator/updated_model formats/files formats/recordings
-    formats/wire rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
-    service/commands/results service/configuration service/delivery service/doctor service/edge service/export
-    service/http service/identification service/ingest service/write_path service/maintenance service/messaging
-    service/monitoring/rules service/mqtt service/opcua service/replication service/reports service/resilience
-    service/runs service/secrets service/security service/sources service/wording service/workers storage storage/backup
-    storage/database storage/encoding storage/machines storage/operation storage/tables
+    estimator/fit estimator/fit/omitted_errors estimator/identification estimator/machine estimator/machine/checks
+    estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model formats/files
+    formats/recordings formats/wire rotorundown rotorundown/environment service/advice service/api
+    service/api/operation service/balancing service/commands/results service/configuration service/delivery
+    service/doctor service/edge service/export service/http service/identification service/ingest service/maintenance
+    service/messaging service/monitoring/rules service/mqtt service/opcua service/replication service/reports
+    service/resilience service/runs service/secrets service/security service/sources service/wording service/workers
+    service/write_path storage storage/backup storage/database storage/encoding storage/machines storage/operation
+    storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

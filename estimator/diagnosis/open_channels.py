@@ -15,6 +15,18 @@ from estimator.machine.parameter_description import describe
 _ERRORS = {one.kind: one.errors for one in FINDING_KINDS if one.errors}
 
 
+def named_errors(named: Iterable[tuple[str, str]]) -> frozenset[str]:
+    """List the errors of measuring chains and couplings that causes stand for, such as `probe.B1L.gain`.
+
+    Args:
+        named: Kind and element of each cause that a diagnosis has named.
+
+    Returns:
+        Names of the errors.
+    """
+    return frozenset(f"{element}.{quantity}" for kind, element in named for quantity in _ERRORS.get(kind, ()))
+
+
 def estimate_beside(
     point: Floats,
     covariance: Floats,
@@ -40,7 +52,7 @@ def estimate_beside(
     Returns:
         Values (n,) and covariance (n, n) [SI²]; the given ones where no error is free.
     """
-    wrong = {f"{element}.{quantity}" for kind, element in named for quantity in _ERRORS.get(kind, ())}
+    wrong = named_errors(named)
     if effects is None:
         return point, covariance
     found_along = set(errors_found_along(effects))

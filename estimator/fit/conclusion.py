@@ -1,6 +1,6 @@
 """Conclusions from a fit: whether it may be believed, its estimates with intervals, or why there are none."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 from msgspec.structs import replace
@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.fit.estimates import determined, estimates
 from estimator.fit.identification import Identification
-from estimator.fit.omitted_errors.gains_beside_films import EstimatesWithGains, estimates_with_gains
+from estimator.fit.omitted_errors.gains_beside_films import EstimatesWithErrors, estimates_with_errors
 from estimator.fit.omitted_errors.large_gain_errors import along_secant
 from estimator.fit.omitted_errors.open_gains import CLEAR_FALL, clear_gains
 from estimator.fit.optimisation.multistart import BestFit
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects
+from estimator.fit.validation.channel_sensitivity import channel_effects
 from estimator.fit.validation.goodness_of_fit import Verdict, judge
 from estimator.fit.validation.identifiability import Reasons
 from estimator.fit.validation.interval_widths import IntervalWidths, interval_widths, plain_widths
@@ -28,7 +28,12 @@ thousands."""
 
 
 def conclude(
-    problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: LimitsFunction | None
+    problem: FitProblem,
+    best: BestFit,
+    of_gaps: tuple[str, ...],
+    reasons: Reasons | None,
+    limits: LimitsFunction | None,
+    open_errors: Collection[str] = (),
 ) -> Identification:
     """Judge a fit: its verdict, estimates with intervals, or the reasons why there are none.
 
@@ -42,6 +47,7 @@ def conclude(
         of_gaps: What is said of the gaps, in words.
         reasons: Function that says in words why a parameter is not estimable.
         limits: Function that looks for what no machine can have; None to accept it.
+        open_errors: Errors of channels and couplings that a diagnosis has named.
 
     Returns:
         The identification.
@@ -54,16 +60,13 @@ def conclude(
         if verdict.accepted and widths.condition > LARGEST_CONDITION and not coordinates.models:
             decided = sorted(_determined(coordinates, widths.covariance))
             doubtful = flat_coordinates(problem, found, widths.covariance, decided)
-    effects, gains = _effects(problem, found, widths, limits if verdict.accepted else None, accepted=verdict.accepted)
-    words = ""
-    if gains is not None:
-        found, widths, words = replace(found, theta=gains.theta), gains.widths, gains.words
-    speed = problem.measurement.speed
+    told = _beside_errors(problem, found, widths, open_errors, limits, accepted=verdict.accepted)
+    found, widths = replace(found, theta=told.theta), told.widths
     why = None if reasons is None else reasons(problem, found, widths.covariance)
     if why is not None and verdict.accepted:
         why = _with_form_alone(why, _left_to_form(coordinates, widths))
     errors = widths.form.reported_errors(widths.covariance)
-    said = verdict.words + widths.form.remark + widths.form.resting + widths.words + words
+    said = verdict.words + widths.form.remark + widths.form.resting + widths.words + told.words
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, errors, why, doubtful),
         coordinates=coordinates.names,
@@ -76,12 +79,12 @@ def conclude(
         condition_number=widths.condition,
         starts=best.starts,
         iterations=best.iterations,
-        samples=int(speed.size),
-        speed_minimum=float(speed.min()),
-        speed_maximum=float(speed.max()),
+        samples=int(problem.measurement.speed.size),
+        speed_minimum=float(problem.measurement.speed.min()),
+        speed_maximum=float(problem.measurement.speed.max()),
         noise=found.noise,
         outliers=outliers_by_channel(problem, found.outlier),
-        channel_effects=effects,
+        channel_effects=told.effects,
         doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in widths.form.forces),
     )
 
@@ -100,19 +103,26 @@ def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict
     return {channel: int(count) for channel, count in zip(problem.train.channels, counts, strict=True) if count}
 
 
-def _effects(
-    problem: FitProblem, found: FitResult, widths: IntervalWidths, limits: LimitsFunction | None, *, accepted: bool
-) -> tuple[ChannelEffects, EstimatesWithGains | None]:
-    """Return the effects of channels' errors, and of an accepted fit on films its estimates with gains that are off."""
+def _beside_errors(
+    problem: FitProblem,
+    found: FitResult,
+    widths: IntervalWidths,
+    open_errors: Collection[str],
+    limits: LimitsFunction | None,
+    *,
+    accepted: bool,
+) -> EstimatesWithErrors:
+    """Return what is told of a fit: its own estimates, or on oil films those with errors of channels and couplings."""
     effects = channel_effects(problem, found, inflation=widths.inflation)
     clear = clear_gains(problem, found, effects, least=CLEAR_FALL / widths.inflation)
     # Of constant coefficients the secant tells more of a small drift: with the estimates at the gain, a coupling is told too.
     if not accepted or not problem.coordinates.nuisance.any():
-        return along_secant(problem, found, effects, clear, inflation=widths.inflation), None
-    gains = estimates_with_gains(problem, found, clear)
-    if gains is None or _grows(problem, replace(found, theta=gains.theta), limits):
-        return effects, None
-    return gains.effects, gains
+        effects = along_secant(problem, found, effects, clear, inflation=widths.inflation)
+        return EstimatesWithErrors(found.theta, widths, effects, "")
+    told = estimates_with_errors(problem, found, widths, effects, clear, open_errors)
+    if told is None or _grows(problem, replace(found, theta=told.theta), limits):
+        return EstimatesWithErrors(found.theta, widths, effects, "")
+    return told
 
 
 def _grows(problem: FitProblem, found: FitResult, limits: LimitsFunction | None) -> bool:

@@ -18,12 +18,14 @@ class Options(Struct, frozen=True):
         seed: Seed of the random starts.
         robust: Whether phasors that cannot be noise are left out.
         explain: Whether a refused fit is done again with errors of channels and couplings that may explain it.
+        open_errors: Errors such as `probe.B1L.gain` that a diagnosis has named: estimates on oil films leave them open.
     """
 
     starts: int = 10
     seed: int = 0
     robust: bool = True
     explain: bool = True
+    open_errors: tuple[str, ...] = ()
 
 
 class Identification(Struct, frozen=True, eq=False):

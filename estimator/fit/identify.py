@@ -180,7 +180,7 @@ def _fitted(
     if not fits and other is None and begin is not None and options.starts > 1:
         best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
-    found = conclude(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
+    found = conclude(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits, options.open_errors)
     return _TrainFit(problem, best, found, other)
 
 

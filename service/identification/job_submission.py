@@ -100,6 +100,7 @@ class JobSubmission:
                 if stored is None:
                     if row.scope != jobs.CALIBRATION:  # which subtracts none
                         job_options.slow_roll_version(session, row)
+                        job_options.store_open_errors(session, row)
                     taken.append(TakenJob(row.id, automatic, reopened(session, row), holder))
                 else:
                     self._assessments.add(DueAssessment(row.id, stored, row.machine_id))

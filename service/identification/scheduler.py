@@ -6,6 +6,7 @@ import time
 
 from estimator.fit.identification import Options
 from service.configuration.settings import Settings
+from service.identification import job_options
 from service.identification.computing_jobs import ComputingJobs
 from service.identification.job_submission import JobSubmission
 from service.identification.pooled_jobs import queue_pooled_jobs
@@ -45,7 +46,14 @@ class JobScheduler(SupervisedThread):
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
         self._news = threading.Event()  # a result is there, or the service stops
-        self._assessments = AssessmentQueue(database, self._executor, self._held, settings, wake=self._news.set)
+        self._assessments = AssessmentQueue(
+            database,
+            self._executor,
+            self._held,
+            settings,
+            wake=self._news.set,
+            identify_beside=job_options.identify_beside,
+        )
         options = Options()
         self._submission = JobSubmission(
             database,

@@ -2,7 +2,6 @@
 
 import logging
 
-from msgspec.structs import asdict
 from sqlalchemy.orm import Session
 
 from estimator.fit.identification import Options
@@ -74,7 +73,7 @@ def origin(session: Session, row: JobRow, options: Options, beginning: int | Non
     """Return the origin of an identification. beginning: id of the identification from which the fit started, if any."""
     used = [runs.get(session, run_id) for run_id in row.run_ids]
     version = job_options.slow_roll_version(session, row)
-    described = asdict(job_options.fit_options(row, options))
+    described = job_options.described_options(row, options)
     if beginning is not None:
         described["beginning"] = beginning
     if version is not None:

@@ -6,7 +6,7 @@ one transaction and the conclusions are written in another; in between a worker 
 
 import logging
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -28,11 +28,15 @@ from storage.database.errors import is_database_wide
 from storage.findings import identifications, jobs
 from storage.machines import machines
 from storage.measurements import quarantine
+from storage.tables.findings import IdentificationRow
 
 logger = logging.getLogger(__name__)
 
 LARGEST_ATTEMPTS = 3
 """Largest number of times that an assessment may crash its worker or exceed a limit."""
+
+
+IdentifyBeside = Callable[[Session, IdentificationRow, Collection[str]], None]
 
 
 @dataclass(frozen=True)
@@ -48,15 +52,24 @@ class AssessmentQueue:
     """Assessments that are due or being computed. For one thread."""
 
     def __init__(
-        self, database: Database, executor: Executor, held: HeldJobs, settings: Settings, *, wake: Callable[[], None]
+        self,
+        database: Database,
+        executor: Executor,
+        held: HeldJobs,
+        settings: Settings,
+        *,
+        wake: Callable[[], None],
+        identify_beside: IdentifyBeside,
     ) -> None:
-        """Set up an empty queue. wake: called from another thread when a worker has computed an assessment."""
+        """Set up an empty queue. wake: called from another thread when a worker has computed an assessment. identify_beside:
+        queues an identification again with errors left open that its diagnosis has named and it has not found along."""
         self._database = database
         self._executor = executor
         self._held = held
         self._limit_s = settings.identification_timeout_s
         self._baseline_runs = settings.baseline_runs
         self._wake = wake
+        self._identify_beside = identify_beside
         self._due: dict[str, deque[DueAssessment]] = {}
         self._computed: dict[Future[Assessment], tuple[DueAssessment, AssessmentContext]] = {}
         self._attempts: Counter[int] = Counter()
@@ -140,6 +153,8 @@ class AssessmentQueue:
                         logger.info("identification %d is assessed again: baseline or limits were changed", stored.id)
                         return
                     conclusions.apply(session, stored, context, assessment, state)
+                    if assessment.left_out and stored.accepted:
+                        self._identify_beside(session, stored, assessment.left_out)
                     jobs.finish(row, state=jobs.DONE)
         except Exception as error:
             if is_database_wide(error):

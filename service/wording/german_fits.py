@@ -24,6 +24,9 @@ FITS: Mapping[str, str] = {
         "oder die Messwerte überlappen"
     ),
     "intervals are widened": "Vertrauensbereiche sind verbreitert",
+    "estimates leave open what a diagnosis has named: {errors}": (
+        "die Schätzungen lassen offen, was eine Diagnose genannt hat: {errors}"
+    ),
     "probe {name} clearly has another gain than the document says: estimates allow for that": (
         "Aufnehmer {name} hat deutlich eine andere Verstärkung, als das Dokument sagt: Die Schätzungen berücksichtigen das"
     ),

@@ -29,9 +29,11 @@ def of_identification(session: Session, identification_id: int) -> DiagnosisRow 
     return session.get(DiagnosisRow, identification_id)
 
 
-def newest(session: Session, machine_id: str) -> DiagnosisRow | None:
-    """Return the diagnosis of a machine's newest run that has one."""
+def newest(session: Session, machine_id: str, *, last: int | None = None) -> DiagnosisRow | None:
+    """Return the diagnosis of a machine's newest run that has one. last: measured up to this time [ns]."""
     query = select(DiagnosisRow).where(DiagnosisRow.machine_id == machine_id)
+    if last is not None:
+        query = query.where(DiagnosisRow.measured_at <= last)
     query = query.order_by(DiagnosisRow.measured_at.desc(), DiagnosisRow.identification_id.desc())
     return session.scalars(query.limit(1)).one_or_none()
 

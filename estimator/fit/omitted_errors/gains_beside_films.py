@@ -7,7 +7,7 @@ estimates are as uncertain as not knowing which leaves them. What widens a fit's
 the estimates that the identification tells, so that histories, tables and alerts have the same number for the same thing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from msgspec import Struct
@@ -15,12 +15,13 @@ from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.omitted_errors.explained_fit import own_covariance
-from estimator.fit.omitted_errors.open_errors import errors_found_along, with_open_errors
+from estimator.fit.omitted_errors.open_errors import about_open_errors, errors_found_along, with_open_errors
 from estimator.fit.omitted_errors.open_gains import CLEAR_FALL, FitWithGains, GainError, clear_gains, cost, fit_with_gains
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.validation.interval_widths import IntervalWidths, interval_widths
+from estimator.machine.parameter_description import describe
 
 TRIED = 3
 """Channels that are tried, those whose gains explain most to first order."""
@@ -31,14 +32,14 @@ RIVAL = 9.0
 deviations."""
 
 
-class EstimatesWithGains(Struct, frozen=True, eq=False):
-    """Estimates of an accepted fit of n coordinates with the gains that are clearly off.
+class EstimatesWithErrors(Struct, frozen=True, eq=False):
+    """Estimates of an accepted fit of n coordinates with gains that are clearly off, and errors that a diagnosis has named.
 
     Attributes:
         theta: Values (n,) of the fit coordinates [-].
-        widths: Widths of their intervals, as uncertain as the gains leave them.
-        effects: Effects of e errors, about the estimates with these gains being what they are.
-        words: What is said of the gains, behind the verdict.
+        widths: Widths of their intervals, as uncertain as the errors leave them.
+        effects: Effects of e errors, about the estimates with these errors being what they are.
+        words: What is said of the errors, behind the verdict.
     """
 
     theta: Floats
@@ -47,19 +48,50 @@ class EstimatesWithGains(Struct, frozen=True, eq=False):
     words: str
 
 
-def estimates_with_gains(problem: FitProblem, found: FitResult, clear: Sequence[GainError]) -> EstimatesWithGains | None:
-    """Compute the estimates of an accepted fit with the gains that are clearly off, and the effects of errors about these.
+def estimates_with_errors(
+    problem: FitProblem,
+    found: FitResult,
+    widths: IntervalWidths,
+    effects: ChannelEffects,
+    clear: Sequence[GainError],
+    open_errors: Collection[str] = (),
+) -> EstimatesWithErrors | None:
+    """Compute the estimates of an accepted fit with the errors that are there, and the effects of errors about these.
 
     Source: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4.
 
     Args:
         problem: The fit's problem.
         found: The fit.
+        widths: Widths of its intervals.
+        effects: Effects of e errors about it.
         clear: Gains that are clearly off, that which explains most first.
+        open_errors: Errors that a diagnosis has named, such as `probe.B1L.gain`.
 
     Returns:
-        The estimates; None where no gain explains as much as the score has said, or only with films unlike the document's.
+        The estimates; None where no error is named, and no gain explains as much as the score has said, or only with films
+        unlike the document's.
     """
+    told = _with_gains(problem, found, clear)
+    if told is not None:
+        best, widths, effects = told
+        about, words = _at_gains(problem, best, widths), _words([problem.train.channels[one] for one in sorted(best.channels)])
+    else:
+        own = problem.coordinates
+        about, words = (own.point(found.theta), widths.covariance * np.outer(own.unit, own.unit)), ""
+    found_along, channels = errors_found_along(effects), problem.train.channels
+    named = [place for place, name in enumerate(effects.names) if describe(name).whole in open_errors]
+    if set(named) - set(found_along):
+        effects = about_open_errors(*about, effects, sorted({*found_along, *named}), channels=channels)
+        about = effects.estimate(*about)
+        words += f"; estimates leave open what a diagnosis has named: {', '.join(sorted(open_errors))}"
+    return _estimates(problem, about, widths, effects, words) if words else None
+
+
+def _with_gains(
+    problem: FitProblem, found: FitResult, clear: Sequence[GainError]
+) -> tuple[FitWithGains, IntervalWidths, ChannelEffects] | None:
+    """Return the fit with the gains that are clearly off, the widths of its intervals, and the effects about it."""
     told, left = None, cost(problem, found)
     opened: tuple[int, ...] = ()
     start = found.theta
@@ -74,7 +106,7 @@ def estimates_with_gains(problem: FitProblem, found: FitResult, clear: Sequence[
         told = (best, widths, effects)
         left, opened, start = best.cost, best.channels, best.found.theta
         clear = clear_gains(problem, found, effects, least=CLEAR_FALL, beside=opened)
-    return None if told is None else _estimates(problem, *told)
+    return told
 
 
 def _best(problem: FitProblem, found: FitResult, every: Sequence[tuple[int, ...]], start: Floats) -> FitWithGains | None:
@@ -105,16 +137,17 @@ def _at_gains(problem: FitProblem, best: FitWithGains, widths: IntervalWidths) -
     return own.point(best.without(own.size).theta), covariance + (wider + wider.T) / 2
 
 
-def _estimates(problem: FitProblem, best: FitWithGains, widths: IntervalWidths, effects: ChannelEffects) -> EstimatesWithGains:
-    """Return what is told of a fit with gains: estimates as uncertain as these leave them."""
-    own, channels = problem.coordinates, problem.train.channels
-    at_gains = _at_gains(problem, best, widths)
-    point, covariance = with_open_errors(*at_gains, effects, errors_found_along(effects), channels=channels)
-    return EstimatesWithGains(
+def _estimates(
+    problem: FitProblem, about: tuple[Floats, Floats], widths: IntervalWidths, effects: ChannelEffects, words: str
+) -> EstimatesWithErrors:
+    """Return what is told of a fit with errors: estimates as uncertain as these leave them."""
+    own = problem.coordinates
+    point, covariance = with_open_errors(*about, effects, errors_found_along(effects), channels=problem.train.channels)
+    return EstimatesWithErrors(
         theta=own.theta(point),
         widths=widths.of_first(own.size, covariance=covariance / np.outer(own.unit, own.unit)),
         effects=effects,
-        words=_words([channels[one] for one in sorted(best.channels)]),
+        words=words,
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
@@ -53,6 +54,35 @@ def with_open_errors(
     return point - shift @ (error - effects.errors[index]), covariance + shift @ spread @ shift.T
 
 
+def about_open_errors(
+    point: Floats, covariance: Floats, effects: ChannelEffects, places: Sequence[int], *, channels: tuple[str, ...]
+) -> ChannelEffects:
+    """Return the effects of errors about the values that some errors have which are free; to first order nothing else changes.
+
+    Source: score and information of errors that a fit left out, Rao (1948, doi:10.1017/S0305004100023987).
+
+    Args:
+        point: Values (n,) that the effects are about [SI, logarithms of direct terms].
+        covariance: Covariance (n, n) of these, the errors being what they are [SI²].
+        effects: Effects of e errors.
+        places: Places of the errors that are free.
+        channels: Ids of the m channels.
+
+    Returns:
+        The effects.
+    """
+    index, at = list(places), effects.errors.copy()
+    at[index] = _open_errors(effects, index, channels)[0]
+    moved = at - effects.errors
+    return replace(
+        effects,
+        at=at,
+        score=effects.score - effects.information @ moved,
+        point=point - effects.bias @ moved,
+        covariance=covariance,
+    )
+
+
 def beside_its_errors(
     coordinates: tuple[str, ...],
     point: Floats,
@@ -73,7 +103,8 @@ def beside_its_errors(
         channels: Ids of the m channels.
 
     Returns:
-        Names, values and covariance of the n coordinates and of the e errors behind them; the given ones without any.
+        Names, values (n + e,) and covariance (n + e, n + e) of the coordinates and of the e errors behind them [SI or 1]; the
+        given ones without any.
     """
     found_along = [] if effects is None else errors_found_along(effects)
     index = (

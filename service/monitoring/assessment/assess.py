@@ -37,7 +37,7 @@ from service.monitoring.assessment.context import (
 from service.monitoring.assessment.load_changes import load_changes
 from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
 from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
-from service.monitoring.assessment.run_models import run_model
+from service.monitoring.assessment.run_models import left_out, run_model
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import cause_severity, danger_limit, delays
@@ -47,7 +47,8 @@ from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 def assess(context: AssessmentContext) -> Assessment:
     """Diagnose a machine's change, and assess its rate."""
     rates = None if context.history is None else _rates(context, context.history)
-    return Assessment(_diagnosis(context), rates)
+    diagnosis = _diagnosis(context)
+    return Assessment(diagnosis, rates, frozenset() if diagnosis is None else left_out(context, diagnosis))
 
 
 def readings(history: BaselineHistory) -> list[DatedPoint]:

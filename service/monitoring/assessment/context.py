@@ -188,7 +188,9 @@ class RateAssessment:
 
 @dataclass(frozen=True)
 class Assessment:
-    """The assessment of a machine. diagnosis, rates: None when none can be made."""
+    """The assessment of a machine. diagnosis, rates: None when none can be made. left_out: errors of measuring chains and
+    couplings that the diagnosis has named and that the newest run's estimates on oil films do not allow for."""
 
     diagnosis: MachineDiagnosis | None
     rates: RateAssessment | None
+    left_out: frozenset[str] = frozenset()

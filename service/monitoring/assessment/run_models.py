@@ -7,12 +7,15 @@ from functools import cached_property, lru_cache
 
 from estimator.alignment.healthy_films import learnt_variation
 from estimator.diagnosis.finding_kind import Cause
-from estimator.diagnosis.open_channels import estimate_beside
+from estimator.diagnosis.open_channels import estimate_beside, named_errors
+from estimator.fit.omitted_errors.open_errors import errors_found_along
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
+from estimator.machine.film_speeds import follows_films
+from estimator.machine.parameter_description import describe
 from estimator.machine.under_conditions import under_conditions
 from estimator.updated_model.model import UpdatedModel, model_at
-from service.monitoring.assessment.context import AssessedRun
+from service.monitoring.assessment.context import AssessedRun, AssessmentContext, MachineDiagnosis
 
 CACHED_MODELS = 4
 """Baselines of which the variation is remembered: a process mostly assesses a few machines in turns."""
@@ -26,6 +29,17 @@ def run_model(machine: Machine, run: AssessedRun, *, beside: Iterable[Cause] = (
     fit, named = run.fit, [(one.kind, one.element) for one in beside]
     point, covariance = estimate_beside(fit.point, fit.covariance, fit.effects, named, channels=machine.channels)
     return model_at(under_conditions(machine, run.conditions), fit.coordinates, point, covariance)
+
+
+def left_out(context: AssessmentContext, diagnosis: MachineDiagnosis) -> frozenset[str]:
+    """Return the errors that a diagnosis has named and that the newest run's estimates on oil films do not allow for."""
+    fit = context.after[-1].fit if context.after else None
+    if fit is None or fit.effects is None or not follows_films(context.machine):
+        return frozenset()
+    found_along = {describe(fit.effects.names[place]).whole for place in errors_found_along(fit.effects)}
+    known = {describe(name).whole for name in fit.effects.names}
+    named = named_errors((one.cause.kind, one.cause.element) for one in diagnosis.causes)
+    return frozenset((named & known) - found_along)
 
 
 @dataclass(frozen=True, eq=False)

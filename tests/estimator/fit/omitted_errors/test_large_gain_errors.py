@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from estimator.diagnosis.observation import observed_fit
-from estimator.diagnosis.open_channels import estimate_beside
+from estimator.diagnosis.observation import fit_observation, observed_fit
+from estimator.diagnosis.open_channels import estimate_beside, named_errors
 from estimator.fit import conclusion
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identification import Identification
+from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.fit.omitted_errors.open_errors import beside_its_errors
 from estimator.machine.document import Machine, parse_machine
@@ -35,7 +35,7 @@ def fitted(*channels: int, gain: complex = 1.0) -> Identification:
 def fitted_without_gains(machine_: Machine, monkeypatch: pytest.MonkeyPatch) -> Identification:
     """Return the fit of the run whose probe is off, its estimates with the document's gains."""
     with monkeypatch.context() as context:
-        context.setattr(conclusion, "estimates_with_gains", lambda *_: None)
+        context.setattr(conclusion, "estimates_with_errors", lambda *_: None)
         return identify(machine_, with_errors(CHANNEL, gain=GAIN), beginning=healthy().point)
 
 
@@ -47,6 +47,29 @@ def test_estimates_allow_for_the_gain_and_are_those_of_a_run_that_is_right(monke
     assert np.abs((off.point - right.point) / np.sqrt(np.diag(off.covariance) + error**2)).max() < CONFIDENCE_95
     assert off.verdict.endswith(f"; of the probes {', '.join(BEARING)} one at least {WORDS}")
     assert WORDS not in plain.verdict
+
+
+def test_errors_that_a_diagnosis_has_named_are_left_open_as_it_leaves_them_open() -> None:
+    small, other = 0.985, 7
+    named = [("sensor", f"probe.{machine().channels[other]}")]
+    plain = fitted(other, gain=small)
+    run = with_errors(other, gain=small)
+    off = identify(machine(), run, Options(open_errors=tuple(named_errors(named))), beginning=healthy().point)
+    assert WORDS not in plain.verdict
+    assert off.verdict.endswith(f"estimates leave open what a diagnosis has named: probe.{machine().channels[other]}.gain")
+    beside = estimate_beside(plain.point, plain.covariance, plain.channel_effects, named, channels=machine().channels)
+    for told in (
+        (off.point, off.covariance),
+        estimate_beside(off.point, off.covariance, off.channel_effects, [], channels=machine().channels),
+        estimate_beside(off.point, off.covariance, off.channel_effects, named, channels=machine().channels),
+    ):
+        np.testing.assert_allclose(told[0], beside[0], rtol=1e-7, atol=1e-12)
+        np.testing.assert_allclose(told[1], beside[1], rtol=1e-5, atol=1e-7 * np.diag(beside[1]).min())
+    seen, before = (fit_observation(observed_fit(one), machine().channels) for one in (off, plain))
+    np.testing.assert_allclose(seen.information, before.information, rtol=1e-6, atol=1e-6 * np.abs(before.information).max())
+    pull = before.gradient + before.information @ (before.reference - seen.reference)
+    scale = np.sqrt(np.diag(before.information))
+    np.testing.assert_allclose(seen.gradient / scale, pull / scale, atol=1e-5)
 
 
 def test_what_the_fit_predicts_for_its_channels_has_the_gains() -> None:
