@@ -4,24 +4,22 @@ A job without options is the usual one. It subtracts the slow-roll vectors in fo
 stored with the job, so that a repetition after a crash subtracts the same.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from msgspec.structs import asdict, replace
 from sqlalchemy.orm import Session
 
-from estimator.diagnosis.open_channels import named_errors
 from estimator.errors import Conflict
 from estimator.fit.identification import Options
-from estimator.machine.film_speeds import follows_films
 from estimator.machine.rules import QualityRules
 from service.identification.job_quota import LONGEST_IDENTITY, JobQuota
-from storage.findings import diagnoses, jobs
+from storage.findings import jobs
 from storage.findings.job_order import ASKED
 from storage.machines import machines, slow_roll
 from storage.measurements import runs
-from storage.tables.findings import IdentificationRow, JobRow
+from storage.tables.findings import JobRow
 
 SlowRollChoice = Literal["none", "in_force"] | int
 """Choice of slow-roll vectors: none, those in force, or a version."""
@@ -136,27 +134,6 @@ def slow_roll_version(session: Session, row: JobRow) -> int | None:
         row.options = options
     version: int | None = options[_VERSION]
     return version
-
-
-def store_open_errors(session: Session, row: JobRow) -> None:
-    """Store with a job the errors that its estimates leave open: those that the diagnosis named which is the newest by then.
-
-    So a history has the same number for a thing as the alert beside it. Only trains on oil films are estimated beside them.
-    """
-    options = row.options or {}
-    if row.scope not in (jobs.RUN, jobs.VARIANT) or OPEN_ERRORS in options:
-        return
-    run = runs.get(session, row.run_ids[0])
-    newest = diagnoses.newest(session, row.machine_id, last=run.time_last or run.time_first)
-    named = named_errors(diagnoses.named_causes(newest))
-    if named and follows_films(machines.document(session, row.machine_id, run.revision)):
-        row.options = {**options, OPEN_ERRORS: sorted(named)}
-
-
-def identify_beside(session: Session, identification: IdentificationRow, errors: Collection[str]) -> None:
-    """Queue an identification of the same run again, with errors left open that its diagnosis has named."""
-    options = {OPEN_ERRORS: sorted(errors)}
-    jobs.enqueue(session, identification.machine_id, scope=jobs.RUN, run_ids=identification.run_ids, options=options)
 
 
 def quality_rules(row: JobRow, usual: QualityRules) -> QualityRules:

@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 
 from estimator.fit.identification import Options
-from service.identification import computation, job_options
+from service.identification import computation, job_options, standing_errors
 from service.identification.calibration_computation import compute_calibration
 from service.identification.calibration_jobs import calibration_task
 from service.identification.calibration_task import CalibrationTask
@@ -100,7 +100,7 @@ class JobSubmission:
                 if stored is None:
                     if row.scope != jobs.CALIBRATION:  # which subtracts none
                         job_options.slow_roll_version(session, row)
-                        job_options.store_open_errors(session, row)
+                        standing_errors.store_open_errors(session, row)
                     taken.append(TakenJob(row.id, automatic, reopened(session, row), holder))
                 else:
                     self._assessments.add(DueAssessment(row.id, stored, row.machine_id))

@@ -6,7 +6,7 @@ import time
 
 from estimator.fit.identification import Options
 from service.configuration.settings import Settings
-from service.identification import job_options
+from service.identification import standing_errors
 from service.identification.computing_jobs import ComputingJobs
 from service.identification.job_submission import JobSubmission
 from service.identification.pooled_jobs import queue_pooled_jobs
@@ -52,7 +52,7 @@ class JobScheduler(SupervisedThread):
             self._held,
             settings,
             wake=self._news.set,
-            identify_beside=job_options.identify_beside,
+            identify_beside=standing_errors.identify_beside,
         )
         options = Options()
         self._submission = JobSubmission(
