@@ -258,12 +258,10 @@ def test_a_run_out_of_one_probe_is_told_with_its_size_and_nothing_else_is(size: 
     assert set(sizes(found)) == {("run_out", "probe.B4X")}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("run_outs", "gains", "fault"),
-    [
-        ({"B2X": 4e-6 + 2e-6j}, None, ("run_out", "probe.B2X")),
-        pytest.param(None, {"B2X": 1.2}, ("sensor", "probe.B2X"), marks=pytest.mark.long),
-    ],
+    [({"B2X": 4e-6 + 2e-6j}, None, ("run_out", "probe.B2X")), (None, {"B2X": 1.2}, ("sensor", "probe.B2X"))],
     ids=["run-out", "gain"],
 )
 def test_a_misalignment_shows_beside_a_probe_for_which_no_fit_is_accepted(

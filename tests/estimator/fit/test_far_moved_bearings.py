@@ -8,7 +8,7 @@ import pytest
 
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.fit import identify as identification
-from estimator.fit.identification import Identification
+from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine, parse_machine
@@ -43,10 +43,10 @@ def healthy() -> Identification:
     return found
 
 
-def lifted() -> Identification:
+def lifted(options: Options | None = None) -> Identification:
     """Identify a run after a shaft has risen, from the machine's last identification on."""
     later = replace(plant(), train=moved(plant().train, offset=np.array([0.0, OFFSET]), angle=np.zeros(2)))
-    return identify(machine(), measured(later, seed=2), beginning=healthy().point)
+    return identify(machine(), measured(later, seed=2), options, beginning=healthy().point)
 
 
 def test_a_shaft_that_has_moved_far_is_found_where_it_stands() -> None:
@@ -64,7 +64,7 @@ def test_from_the_last_identification_alone_films_would_make_up_for_it(monkeypat
         return found
 
     monkeypatch.setattr(identification, "moved_far", not_moved)
-    found = lifted()
+    found = lifted(Options(explain=False))
     assert not found.accepted
     assert "deviate" in found.verdict
 

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -21,7 +22,7 @@ from tests.estimator.sweeps import recorded
 from tests.estimator.trains import Complexes, Floats, chapter_3, chapter_3_document, dense_response, noisy, perturbed
 from tests.paths import EXAMPLES
 
-ONE = Options(starts=1)
+ONE = Options(starts=1, explain=False)
 PAIRS = (1, 0, 3, 2, 5, 4, 7, 6)
 NAMES = {
     "phase-sign": WrongConvention("", "", phase=-1.0),
@@ -54,10 +55,10 @@ def sent(wrong: WrongConvention | None = None, *, samples: int = 50) -> tuple[Re
     return (run, measurement) if wrong is None else (wrong.run(run), wrong.measurement(measurement))
 
 
-def told(machine: Machine, *parts: tuple[RecordedRun, Measurement]) -> ConventionVerdict:
+def told(machine: Machine, *parts: tuple[RecordedRun, Measurement], names: Sequence[str] = ()) -> ConventionVerdict:
     runs, measurements = [run for run, _ in parts], [measurement for _, measurement in parts]
     gated = identify_gated(machine, runs, measurements, options=ONE)
-    return with_named_conventions(machine, runs, measurements, gated)
+    return with_named_conventions(machine, runs, measurements, gated, names=names)
 
 
 @pytest.mark.parametrize("name", ["phase-sign", *(pytest.param(one, marks=pytest.mark.long) for one in list(NAMES)[1:])])
@@ -86,22 +87,29 @@ ONE_WRONG = {
 }
 
 
-@pytest.mark.parametrize("name", ["phase-sign", *(pytest.param(one, marks=pytest.mark.long) for one in list(ONE_WRONG)[1:])])
-def test_one_wrong_run_among_right_ones_is_named(name: str) -> None:
+def with_one_wrong(name: str, *, names: Sequence[str] = ()) -> ConventionVerdict:
+    """Three runs of one mounting, the second of which arrives with a wrong convention. names: of the runs."""
     added = np.zeros(len(document().discs), dtype=complex)
     parts = [sent(), sent(ONE_WRONG[name]), sent()]
-    parts = [(run, measured.with_trial_weight(added)) for run, measured in parts]
-    found = told(document(), *parts)
+    return told(document(), *((run, measured.with_trial_weight(added)) for run, measured in parts), names=names)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ONE_WRONG)
+def test_one_wrong_run_among_right_ones_is_named(name: str) -> None:
+    found = with_one_wrong(name)
     assert found.named
     assert {(one.convention.name, one.run, one.accepted) for one in found.named} == {(name, 1, True)}
     assert found.gated.identification is not None
     assert " in run 2 of 3 alone" in found.gated.identification.verdict
-    runs, measurements = [run for run, _ in parts], [measurement for _, measurement in parts]
-    names = ["one.csv", "two.csv", "three.csv"]
-    called = with_named_conventions(document(), runs, measurements, found.gated, names=names).gated.identification
-    assert called is not None
-    assert called.verdict.startswith("the runs fit ")
-    assert " in two.csv alone" in called.verdict
+
+
+def test_one_wrong_run_is_called_by_its_file() -> None:
+    found = with_one_wrong("speed-unit", names=["one.csv", "two.csv", "three.csv"])
+    assert {(one.convention.name, one.run, one.accepted) for one in found.named} == {("speed-unit", 1, True)}
+    assert found.gated.identification is not None
+    assert found.gated.identification.verdict.startswith("the runs fit ")
+    assert " in two.csv alone" in found.gated.identification.verdict
 
 
 @pytest.mark.long
