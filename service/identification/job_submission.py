@@ -3,6 +3,8 @@
 import logging
 from collections.abc import Callable
 
+from sqlalchemy.orm import Session
+
 from estimator.fit.identification import Options
 from service.identification import computation, job_options, standing_errors
 from service.identification.calibration_computation import compute_calibration
@@ -19,6 +21,7 @@ from storage.database.engine import Database
 from storage.database.errors import error_message, is_database_wide
 from storage.findings import identifications, jobs
 from storage.findings.job_order import AUTOMATIC, OVERDUE_SHARE
+from storage.tables.findings import JobRow
 
 logger = logging.getLogger(__name__)
 
@@ -100,11 +103,21 @@ class JobSubmission:
                 if stored is None:
                     if row.scope != jobs.CALIBRATION:  # which subtracts none
                         job_options.slow_roll_version(session, row)
-                        standing_errors.store_open_errors(session, row)
+                        self._leave_named_errors_open(session, row)
                     taken.append(TakenJob(row.id, automatic, reopened(session, row), holder))
                 else:
                     self._assessments.add(DueAssessment(row.id, stored, row.machine_id))
         return taken
+
+    @staticmethod
+    def _leave_named_errors_open(session: Session, row: JobRow) -> None:
+        """Store what a job's estimates leave open; a diagnosis that cannot be read holds no job up."""
+        try:
+            standing_errors.store_open_errors(session, row)
+        except Exception as error:
+            if is_database_wide(error):
+                raise
+            logger.exception("job %d is computed without what its machine's diagnosis has named", row.id)
 
     def _task(self, taken: TakenJob) -> IdentificationTask | CalibrationTask | None:
         """Build a job's task; return None when its data cannot be read, so that other jobs go on."""

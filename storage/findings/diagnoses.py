@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.tables.findings import DiagnosisRow, IdentificationRow
+from storage.tables.measurements import RunRow
 
 
 def add(
@@ -29,11 +30,24 @@ def of_identification(session: Session, identification_id: int) -> DiagnosisRow 
     return session.get(DiagnosisRow, identification_id)
 
 
-def newest(session: Session, machine_id: str, *, last: int | None = None) -> DiagnosisRow | None:
-    """Return the diagnosis of a machine's newest run that has one. last: measured up to this time [ns]."""
+def newest(session: Session, machine_id: str) -> DiagnosisRow | None:
+    """Return the diagnosis of a machine's newest run that has one."""
     query = select(DiagnosisRow).where(DiagnosisRow.machine_id == machine_id)
-    if last is not None:
-        query = query.where(DiagnosisRow.measured_at <= last)
+    query = query.order_by(DiagnosisRow.measured_at.desc(), DiagnosisRow.identification_id.desc())
+    return session.scalars(query.limit(1)).one_or_none()
+
+
+def newest_on_films(
+    session: Session, run: RunRow, *, slow_roll_version: int | None, since: int, before: int
+) -> DiagnosisRow | None:
+    """Return the newest diagnosis of a run of the same kind, revision and slow-roll vectors on oil films, measured within some
+    time [ns]."""
+    query = select(DiagnosisRow).join(IdentificationRow, IdentificationRow.id == DiagnosisRow.identification_id)
+    query = query.where(DiagnosisRow.machine_id == run.machine_id)
+    query = query.where(DiagnosisRow.measured_at >= since, DiagnosisRow.measured_at < before)
+    query = query.where(IdentificationRow.run_kind == run.kind, IdentificationRow.revision == run.revision)
+    query = query.where(IdentificationRow.slow_roll_version.is_not_distinct_from(slow_roll_version))
+    query = query.where(IdentificationRow.load_balance.is_not(None))
     query = query.order_by(DiagnosisRow.measured_at.desc(), DiagnosisRow.identification_id.desc())
     return session.scalars(query.limit(1)).one_or_none()
 

@@ -25,6 +25,7 @@ BASELINE = 5
 NAMED = BASELINE + 1
 WEEK = 7 * 86_400 * SECOND
 CHANNEL, GAIN = 7, 1.04
+PATIENCE_S = 240.0
 TOLD = "estimates leave open what a diagnosis has named: "
 
 
@@ -63,11 +64,13 @@ def test_a_run_is_identified_again_beside_the_probe_that_its_diagnosis_names(dat
         machines.create(session, machine)
     with working(2) as executor, identifying(database, executor, baseline_runs=BASELINE):
         close(database, train, machine, weeks=range(BASELINE), gain=1.0)
-        wait_until(lambda: counts(database) == {"done": BASELINE})
+        wait_until(lambda: counts(database) == {"done": BASELINE}, seconds=PATIENCE_S)
         close(database, train, machine, weeks=[BASELINE, NAMED], gain=GAIN)
-        wait_until(lambda: counts(database) == {"done": BASELINE + 3})  # the second one, which names it, twice
+        wait_until(
+            lambda: counts(database) == {"done": BASELINE + 3}, seconds=PATIENCE_S
+        )  # the second one, which names it, twice
         close(database, train, machine, weeks=[NAMED + 1], gain=GAIN)
-        wait_until(lambda: counts(database) == {"done": BASELINE + 4})
+        wait_until(lambda: counts(database) == {"done": BASELINE + 4}, seconds=PATIENCE_S)
     plain, again = of_run(database, machine, NAMED)
     (later,) = of_run(database, machine, NAMED + 1)
     with database.reading() as session:
