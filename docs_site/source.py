@@ -70,6 +70,8 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
         "evidence-alignment.md",
         "evidence-fleets.md",
         "evidence-calibration.md",
+        "evidence-estimator.md",
+        "evidence-run-downs.md",
         "fleets.md",
         "faults.md",
     ),

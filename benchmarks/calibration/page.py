@@ -1,13 +1,10 @@
 """The evidence of calibration by known weights as a page: what was asked and measured, by part."""
 
-import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from benchmarks.figure_tables import fallen_words, figure_table
+from benchmarks.figures_page import figures_page
 from benchmarks.fluid_film.report_line import ReportLine
-from benchmarks.kept_outcomes import commit
-from benchmarks.thesis.tables import paragraphs
 
 PAGE = Path(__file__).parents[2] / "docs" / "evidence-calibration.md"
 INTRODUCTION = """\
@@ -70,20 +67,5 @@ def write_page(found: Mapping[str, Sequence[ReportLine]]) -> Path:
     Returns:
         The page.
     """
-    fallen = fallen_words([one for figures in found.values() for one in figures])
-    only = "" if set(found) == set(SECTIONS) else "".join(f" --only {name}" for name in found)
-    code = commit("benchmarks.calibration")
-    written = (
-        f"This page was written by `python -m benchmarks.calibration{only} --write` on commit {code}: {fallen} short of what "
-        "was asked, as far as they are judged. Seeds are stated in the code, so that the same numbers come again."
-    )
-    parts = [INTRODUCTION, _filled(written)]
-    for name, (heading, conditions) in SECTIONS.items():
-        if found.get(name):
-            parts += [f"## {heading}", *([_filled(conditions)] if conditions else []), figure_table(found[name])]
-    PAGE.write_text(paragraphs(*parts) + "\n", encoding="utf-8")
+    PAGE.write_text(figures_page(INTRODUCTION, SECTIONS, found, benchmark="benchmarks.calibration"), encoding="utf-8")
     return PAGE
-
-
-def _filled(text: str) -> str:
-    return textwrap.fill(text, 120, break_on_hyphens=False)

@@ -2,7 +2,7 @@
 
 Trains and noise: `benchmarks/estimator/trains.py`. Everything runs on one BLAS thread.
 
-    python -m benchmarks.estimator [--seeds N] [--trials N] [--only NAME …]
+    python -m benchmarks.estimator [--seeds N] [--trials N] [--only NAME …] [--write]
 """
 
 import argparse
@@ -19,7 +19,9 @@ import numpy as np
 import scipy.optimize
 from threadpoolctl import threadpool_limits
 
+from benchmarks.estimator.page import PAGE, SECTIONS, page
 from benchmarks.estimator.trains import SimulatedTrain, cramer_rao, modelled, off, silent, three_shafts, two_shafts, values
+from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
@@ -31,6 +33,8 @@ from estimator.rotor.condensation import condense
 SMALL_BOUND = 0.2
 """Efficiency is judged over parameters whose Cramér-Rao bound is below this part of their value."""
 MEMORY_SPEEDS = 5000
+LARGEST_POWER = 1.1
+"""Largest power of the number of speeds with which the time may grow: it is to grow in proportion, and timings scatter."""
 
 
 def converged(found: Identification) -> bool:
@@ -38,14 +42,14 @@ def converged(found: Identification) -> bool:
     return abs(found.chi_square / found.degrees_of_freedom - 1) <= 5 * math.sqrt(2 / found.degrees_of_freedom)
 
 
-def model() -> list[str]:
+def model() -> list[ReportLine]:
     """Return the row on the model's response against the one that ROSS computed on the same mesh."""
     train = two_shafts()
     deviation = np.abs(modelled(train.machine, train.speed) - train.clean) / np.abs(train.clean)
-    return [_row("model against ROSS, same mesh, relative", "<= 1e-9", f"{deviation.max():.1e}")]
+    return [_row("model against ROSS, same mesh, relative", "<= 1e-9", f"{deviation.max():.1e}", kept=deviation.max() <= 1e-9)]
 
 
-def efficiency(seeds: int) -> list[str]:
+def efficiency(seeds: int) -> list[ReportLine]:
     """Return the rows on errors over their bound, and coverage of the intervals, over noise seeds."""
     lines = []
     for relative in (0.01, 0.05):
@@ -60,18 +64,18 @@ def efficiency(seeds: int) -> list[str]:
         coverage = np.nanmean(inside[:, often], axis=0)
         label = f"{100 * relative:g} % noise, seeds 0-{seeds - 1}"
         lines += [
-            _row(f"rms error / bound, median of {small.sum()}; {label}", "0.9-1.1", f"{np.median(ratio[small]):.3f}"),
-            _row("  worst of them", "< 1.25", f"{ratio[small].max():.3f}"),
-            _row(f"95 % intervals cover, of {often.sum()} estimable", "93-97 %", f"{100 * np.nanmean(inside):.1f} %"),
-            _row("  worst parameter", ">= 88 %", f"{100 * coverage.min():.1f} %"),
+            _within(f"rms error / bound, median of {small.sum()}; {label}", 0.9, 1.1, float(np.median(ratio[small]))),
+            _at_most("    worst of them", 1.25, float(ratio[small].max())),
+            _within(f"95 % intervals cover, of {often.sum()} estimable [%]", 93.0, 97.0, 100 * float(np.nanmean(inside))),
+            _at_least("    worst parameter [%]", 88.0, 100 * float(coverage.min())),
         ]
     return lines
 
 
-def convergence(trials: int) -> list[str]:
+def convergence(trials: int) -> list[ReportLine]:
     """Return the rows on identifications from documents that are wrong by up to ±50 %."""
     lines = []
-    for name, train, asked in (("two shafts", two_shafts(), "99.5 %"), ("three shafts", three_shafts(), "98 %")):
+    for name, train, asked in (("two shafts", two_shafts(), 99.5), ("three shafts", three_shafts(), 98.0)):
         rng = np.random.default_rng(2024)
         good, seconds, starts = 0, [], []
         for trial in range(trials):
@@ -81,14 +85,14 @@ def convergence(trials: int) -> list[str]:
             seconds.append(time.perf_counter() - begin)
             starts.append(found.starts)
             good += found.accepted and converged(found)
-        label = f"converged from ±50 %, {name}, {trials} documents (seed 2024)"
-        lines.append(_row(label, asked, f"{100 * good / trials:.2f} %"))
-        lines.append(_row("  from the first start; seconds, median and longest", "", f"{np.mean(np.array(starts) == 1):.1%}; "
-                          f"{np.median(seconds):.2f}, {max(seconds):.2f}"))  # fmt: skip
+        label = f"converged from ±50 %, {name}, {trials} documents (seed 2024) [%]"
+        lines.append(_at_least(label, asked, 100 * good / trials))
+        at_once, longest = f"{np.mean(np.array(starts) == 1):.1%}", f"{np.median(seconds):.2f}, {max(seconds):.2f}"
+        lines.append(_row("    from the first start; seconds, median and longest", "", f"{at_once}; {longest}"))
     return lines
 
 
-def silence() -> list[str]:
+def silence() -> list[ReportLine]:
     """Return the rows on documents without nominal values of some elements."""
     train = two_shafts()
     lines = []
@@ -99,11 +103,11 @@ def silence() -> list[str]:
         seconds = (time.perf_counter() - begin) / 3
         good = sum(one.accepted and converged(one) for one in found)
         lines.append(_row(f"no nominal values of {' and '.join(kinds)}: converged, of 3", "", f"{good}"))
-        lines.append(_row("  seconds; starts", "", f"{seconds:.1f}; {', '.join(str(one.starts) for one in found)}"))
+        lines.append(_row("    seconds; starts", "", f"{seconds:.1f}; {', '.join(str(one.starts) for one in found)}"))
     return lines
 
 
-def model_bias(seeds: int) -> list[str]:
+def model_bias(seeds: int) -> list[ReportLine]:
     """Return the rows on E and density of the document 5 % off, with a stated spread of 5 %."""
     train = two_shafts()
     errors, deviations = [], []
@@ -119,12 +123,12 @@ def model_bias(seeds: int) -> list[str]:
                 freedom = found.degrees_of_freedom
                 deviations.append(abs(found.chi_square / freedom - 1) / math.sqrt(2 / freedom))
     return [
-        _row(f"E and ρ 5 % off, 4 signs x {seeds} seeds: median error, worst", "< 2 %", f"{100 * max(errors):.2f} %"),
-        _row("  |χ²/dof - 1| in standard deviations, worst", "< 5", f"{max(deviations):.1f}"),
+        _at_most(f"E and ρ 5 % off, 4 signs x {seeds} seeds: median error, worst [%]", 2.0, 100 * float(max(errors))),
+        _at_most("    |χ²/dof - 1| in standard deviations, worst", 5.0, max(deviations)),
     ]
 
 
-def outlying(seeds: int) -> list[str]:
+def outlying(seeds: int) -> list[ReportLine]:
     """Return the rows on a twentieth of the points off: by 30 % with random phase, or of wholly random phase."""
     train = two_shafts()
     lines = []
@@ -144,8 +148,8 @@ def outlying(seeds: int) -> list[str]:
             ratio.append(pair[1] / pair[0])
         what = "30 % too large, phase wholly random" if whole else "off by 30 % in a random phase"
         label = f"5 % of points {what}: median error over clean, {seeds} seeds"
-        lines.append(_row(label, "<= 1.5", f"{np.median(ratio):.2f}"))
-        lines.append(_row("  worst seed", "", f"{max(ratio):.2f}"))
+        lines.append(_at_most(label, 1.5, float(np.median(ratio))))
+        lines.append(_row("    worst seed", "", f"{max(ratio):.2f}"))
     return lines
 
 
@@ -153,7 +157,7 @@ def _identified(machine: Machine, train: SimulatedTrain) -> Identification:
     return identify(machine, train.measured(0))
 
 
-def speed(repeats: int) -> list[str]:
+def speed(repeats: int) -> list[ReportLine]:
     """Measure the time of one identification, and how it grows with the number of speeds."""
     lines = []
     for name, train, asked in (
@@ -164,20 +168,20 @@ def speed(repeats: int) -> list[str]:
         right = _median_time(partial(_identified, train.machine, train), repeats)
         wrong = [parse_machine(off(train.document, rng, 0.2)) for _ in range(repeats)]
         seconds = [_median_time(partial(_identified, machine, train), 1) for machine in wrong]
-        lines.append(_row(f"{name} unknowns [s], nominal values right", f"<= {asked:g}", f"{right:.3f}"))
-        lines.append(_row("  nominal values off by ±20 %, median", f"<= {asked:g}", f"{np.median(seconds):.3f}"))
+        lines.append(_at_most(f"{name} unknowns [s], nominal values right", asked, right))
+        lines.append(_at_most("    nominal values off by ±20 %, median", asked, float(np.median(seconds))))
     counts = (500, 1000, 2000, 5000)
     times = []
     for count in counts:
         train = dense_speeds(count)
         times.append(_median_time(partial(_identified, train.machine, train), 3))
     slope = np.polyfit(np.log(counts), np.log(times), 1)[0]
-    lines.append(_row(f"power of the number of speeds, {counts[0]}-{counts[-1]}", "1", f"{slope:.2f}"))
-    lines.append(_row(f"  {counts[-1]} speeds [s]", "", f"{times[-1]:.2f}"))
+    lines.append(_at_most(f"power of the number of speeds, {counts[0]}-{counts[-1]}", LARGEST_POWER, float(slope)))
+    lines.append(_row(f"    {counts[-1]} speeds [s]", "", f"{times[-1]:.2f}"))
     for name in ("two_shafts", "three_shafts"):
         whole, added = _peak_memory(name)
-        lines.append(_row(f"memory at {MEMORY_SPEEDS} speeds, {name} [MB]: process", "< 200", f"{whole:.0f}"))
-        lines.append(_row("  of which the identification", "", f"{added:.0f}"))
+        lines.append(_at_most(f"memory at {MEMORY_SPEEDS} speeds, {name.replace('_', ' ')} [MB]: process", 200.0, whole))
+        lines.append(_row("    of which the identification", "", f"{added:.0f}"))
     return lines
 
 
@@ -188,7 +192,7 @@ def dense_speeds(count: int) -> SimulatedTrain:
     return SimulatedTrain(train.document, speeds, modelled(train.machine, speeds), train.truth)
 
 
-def own_script() -> list[str]:
+def own_script() -> list[ReportLine]:
     """Return the rows on a user's own script: dense finite elements, least_squares, finite differences; same data, start and
     answer."""
     train = two_shafts()
@@ -208,7 +212,7 @@ def own_script() -> list[str]:
             "",
             f"{whole:.1f}; {np.max(np.abs(theirs - found) / bound):.2f}",
         ),
-        _row("  times slower than the identification", ">= 50", f"{whole / ours:.0f}"),
+        _at_least("    times slower than the identification", 50.0, whole / ours),
     ]
 
 
@@ -287,23 +291,35 @@ def _size(truth: Floats) -> Floats:
     return size
 
 
-def _row(what: str, asked: str, measured: str) -> str:
-    return f"  {what:<72}{asked:>9}  {measured:>16}".rstrip()
+def _row(what: str, asked: str, measured: str, *, kept: bool = True) -> ReportLine:
+    return ReportLine(what, asked, measured, kept)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run and print."""
+def _at_most(what: str, asked: float, measured: float) -> ReportLine:
+    return _row(what, f"<= {asked:g}", f"{measured:.3g}", kept=measured <= asked)
+
+
+def _at_least(what: str, asked: float, measured: float) -> ReportLine:
+    return _row(what, f">= {asked:g}", f"{measured:.4g}", kept=measured >= asked)
+
+
+def _within(what: str, lowest: float, highest: float, measured: float) -> ReportLine:
+    return _row(what, f"{lowest:g}-{highest:g}", f"{measured:.3g}", kept=lowest <= measured <= highest)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run and print; return 1 where a figure falls short of what was asked."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.estimator", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seeds", type=int, default=200, help="noise seeds of the efficiency, default 200")
     parser.add_argument("--trials", type=int, default=300, help="random documents per train, default 300")
-    names = ("model", "efficiency", "convergence", "silence", "bias", "outliers", "speed", "script")
-    parser.add_argument("--only", nargs="*", choices=names, default=names)
+    parser.add_argument("--only", nargs="*", choices=SECTIONS, default=tuple(SECTIONS))
+    parser.add_argument("--write", action="store_true", help=f"write docs/{PAGE.name} with all parts")
     parser.add_argument("--memory", help=argparse.SUPPRESS)
     chosen = parser.parse_args(arguments)
     if chosen.memory:
         _measure_memory(chosen.memory)
-        return
-    parts: dict[str, Callable[[], list[str]]] = {
+        return 0
+    parts: dict[str, Callable[[], list[ReportLine]]] = {
         "model": model,
         "efficiency": lambda: efficiency(chosen.seeds),
         "convergence": lambda: convergence(chosen.trials),
@@ -313,11 +329,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "speed": lambda: speed(7),
         "script": own_script,
     }
-    print("The estimator\n" + _row("", "asked", "measured"))
+    figures: dict[str, list[ReportLine]] = {}
     with threadpool_limits(limits=1):
-        for name in chosen.only:
-            print("\n".join(parts[name]()), flush=True)
+        for name in SECTIONS if chosen.write else chosen.only:
+            figures[name] = parts[name]()
+            print("\n".join([SECTIONS[name][0], *map(str, figures[name])]), flush=True)
+    if chosen.write:
+        PAGE.write_text(page(figures), encoding="utf-8")
+        print(PAGE)
+    return 0 if all(one.kept for lines in figures.values() for one in lines) else 1
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())
