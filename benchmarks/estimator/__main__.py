@@ -124,7 +124,7 @@ def model_bias(seeds: int) -> list[ReportLine]:
                 deviations.append(abs(found.chi_square / freedom - 1) / math.sqrt(2 / freedom))
     return [
         _at_most(f"E and ρ 5 % off, 4 signs x {seeds} seeds: median error, worst [%]", 2.0, 100 * float(max(errors))),
-        _at_most("    |χ²/dof - 1| in standard deviations, worst", 5.0, max(deviations)),
+        _at_most("    distance of χ²/dof from 1 in standard deviations, worst", 5.0, max(deviations)),
     ]
 
 
