@@ -6,15 +6,7 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
-NAMES = (
-    "evidence.md",
-    "evidence-films.md",
-    "evidence-alignment.md",
-    "evidence-fleets.md",
-    "evidence-calibration.md",
-    "evidence-estimator.md",
-    "evidence-run-downs.md",
-)
+NAMES = sorted(path.name for path in DOCS.glob("evidence*.md"))
 PAGES = {one: (DOCS / one).read_text(encoding="utf-8").splitlines() for one in NAMES}
 
 
