@@ -1,13 +1,11 @@
-"""Writes a page of the evidence from what benchmarks print: each section is a command and its output; no figure is typed.
+"""A page of the evidence that is what benchmarks print: each section is a command and its output; no figure is typed."""
 
-python -m benchmarks.printed_page run-downs
-"""
-
-import argparse
+import re
+import shlex
 import subprocess
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,10 +24,15 @@ class PrintedSection:
     arguments: tuple[str, ...]
 
     def text(self) -> str:
-        """Return the section in markdown. An error of the benchmark is the page's."""
-        printed = subprocess.run([sys.executable, "-m", *self.arguments], capture_output=True, text=True, check=True).stdout
-        said = f"`python -m {' '.join(self.arguments)}` on commit {commit(self.arguments[0])} prints:"
-        return paragraphs(f"## {self.heading}", _filled(self.conditions), said, f"```text\n{printed.strip(chr(10))}\n```")
+        """Return the section in markdown; a figure that falls short is told. Raises CalledProcessError where it crashes."""
+        done = subprocess.run([sys.executable, "-m", *self.arguments], capture_output=True, text=True)
+        short = done.returncode == 1 and "Traceback" not in done.stderr
+        if not short:
+            done.check_returncode()
+        said = f"`python -m {shlex.join(self.arguments)}` on commit {commit(self.arguments[0])}"
+        said += " falls short of something that is asked; it prints:" if short else " prints:"
+        printed = f"```text\n{done.stdout.strip(chr(10))}\n```"
+        return paragraphs(f"## {self.heading}", _filled(self.conditions), said, printed)
 
 
 @dataclass(frozen=True)
@@ -40,64 +43,25 @@ class PrintedPage:
     introduction: str
     sections: tuple[PrintedSection, ...]
 
-    def write(self) -> Path:
-        """Run its commands and write the page."""
+    def write(self, only: Collection[str]) -> Path:
+        """Run the commands of the sections with these headings, of all where none is given, and write the page."""
         path = DOCS / self.name
-        path.write_text(paragraphs(self.introduction, *(one.text() for one in self.sections)) + "\n", encoding="utf-8")
+        written = _sections(path) if only else {}
+        for one in self.sections:
+            if not only or one.heading in only:
+                written[one.heading] = one.text()
+        whole = (written[one.heading] for one in self.sections if one.heading in written)
+        path.write_text(paragraphs(self.introduction, *whole) + "\n", encoding="utf-8")
         return path
+
+
+def _sections(path: Path) -> dict[str, str]:
+    """Return the sections of a page as it was written, by their headings."""
+    if not path.exists():
+        return {}
+    _, *parts = re.split(r"^## ", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return {part.partition("\n")[0]: f"## {part.strip(chr(10))}" for part in parts}
 
 
 def _filled(text: str) -> str:
     return textwrap.fill(text, 120, break_on_hyphens=False)
-
-
-RUN_DOWNS = PrintedPage(
-    "evidence-run-downs.md",
-    """\
-# The evidence: from readings to runs and phasors
-
-What is done to readings before a fit sees them, on simulated machines and waveforms. Seeds are stated in the code, so that the
-same numbers come again; times are those of the machine that ran it.""",
-    (
-        PrintedSection(
-            "States and runs",
-            "Simulated cycles of run-up, hold and run-down, with noise of the speed as a keyphasor's, or of a constant size "
-            "as soon as the shaft turns.",
-            ("benchmarks.estimator.states",),
-        ),
-        PrintedSection(
-            "Picked samples",
-            "A run-down of the Chapter 3 train of which samples are picked for the fit, or averaged.",
-            ("benchmarks.estimator.capture",),
-        ),
-        PrintedSection(
-            "Phasors from waveforms",
-            "Least squares over a block beside band-pass and peak picking as in the thesis (§5.4); 26 dB is noise of 5 %.",
-            ("benchmarks.estimator.phasors",),
-        ),
-        PrintedSection(
-            "The sense of orbits",
-            "Run-downs of the examples that have pairs of probes: nothing wrong, each pair swapped in turn, sense reversed.",
-            ("benchmarks.estimator.orbit_sense",),
-        ),
-        PrintedSection(
-            "Coast-downs",
-            "The Chapter 3 train with half of its damping, integrated in time; waveforms through keyphasor and order "
-            "tracking; documents wrong by 10 %.",
-            ("benchmarks.estimator.coast_down", "--runs", "6"),
-        ),
-    ),
-)
-PAGES = {"run-downs": RUN_DOWNS}
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Write the pages that are asked for."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.printed_page", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("pages", nargs="+", choices=PAGES)
-    for name in parser.parse_args(arguments).pages:
-        print(PAGES[name].write())
-
-
-if __name__ == "__main__":
-    main()
