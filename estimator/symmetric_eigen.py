@@ -1,7 +1,7 @@
 """Eigenvalues, eigenvectors and condition of symmetric matrices, also of those with which LAPACK's quickest method fails."""
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from estimator.arrays import Floats
 

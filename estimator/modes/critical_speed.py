@@ -11,7 +11,6 @@ from functools import cache
 
 import numpy as np
 import scipy
-import scipy.linalg
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine

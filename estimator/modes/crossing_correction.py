@@ -7,7 +7,7 @@ Nonlinear eigenvalue problems: Newton-type methods and nonlinear Rayleigh functi
 from collections.abc import Callable
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from estimator.arrays import Complexes
 from estimator.modes.eigenmodes import Modes

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-import scipy.linalg
+import scipy
 from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats

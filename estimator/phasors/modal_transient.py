@@ -5,7 +5,7 @@ A mode obeys ẇ = (λ - jω) w + force in the frame that turns with the shaft, 
 """
 
 import numpy as np
-import scipy.linalg
+import scipy
 from msgspec import Struct
 from numpy.typing import NDArray
 

@@ -3,14 +3,16 @@
 import numpy as np
 import scipy
 from msgspec import Struct
+from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.phasors.least_squares_spline import least_squares_spline
 
 SAMPLES_PER_KNOT = 8
 """Number of samples that a piece of a smooth curve through noisy speeds stands for."""
 
 
-class SpeedLaw(Struct, frozen=True):
+class SpeedLaw(Struct, frozen=True, eq=False):
     """Angle of a shaft over time, positive in the sense of rotation; speed and acceleration are its derivatives.
 
     Attributes:
@@ -20,7 +22,25 @@ class SpeedLaw(Struct, frozen=True):
 
     begin: float
     end: float
-    _angle: "scipy.interpolate.PPoly"
+    _begins: Floats
+    _cubics: Floats
+    _angles: Floats
+
+    @classmethod
+    def of_cubics(cls, begins: Floats, cubics: Floats, *, end: float) -> "SpeedLaw":
+        """Return the law of a speed that is cubic piece by piece.
+
+        Args:
+            begins: Beginnings (n,) of the pieces, ascending [s].
+            cubics: Coefficients (4, n) of powers 3 to 0 of the time since then [rad/s⁴ to rad/s].
+            end: Last instant [s].
+
+        Returns:
+            The speed law.
+        """
+        length = np.diff(begins)
+        turned = np.cumsum(_integral(cubics[:, :-1], length))
+        return cls(float(begins[0]), end, begins, cubics, np.concatenate([[0.0], turned]))
 
     @classmethod
     def through(cls, time: Floats, speed: Floats) -> "SpeedLaw":
@@ -38,7 +58,7 @@ class SpeedLaw(Struct, frozen=True):
         """
         _require(time, speed)
         curve = scipy.interpolate.PchipInterpolator(time, speed)
-        return cls(float(time[0]), float(time[-1]), curve.antiderivative())
+        return cls.of_cubics(time[:-1], np.asarray(curve.c), end=float(time[-1]))
 
     @classmethod
     def measured(cls, time: Floats, speed: Floats) -> "SpeedLaw":
@@ -60,10 +80,7 @@ class SpeedLaw(Struct, frozen=True):
         inner = time[SAMPLES_PER_KNOT:-SAMPLES_PER_KNOT:SAMPLES_PER_KNOT]
         if not inner.size:
             return cls.through(time, speed)
-        knots = np.concatenate([np.repeat(time[0], 4), inner, np.repeat(time[-1], 4)])
-        spline = scipy.interpolate.make_lsq_spline(time, speed, knots, k=3)
-        angle = scipy.interpolate.PPoly.from_spline(spline.antiderivative().tck)
-        return cls(float(time[0]), float(time[-1]), angle)
+        return cls.of_cubics(*least_squares_spline(time, speed, inner=inner), end=float(time[-1]))
 
     def angle(self, time: Floats) -> Floats:
         """Compute the angle, zero at the beginning.
@@ -74,7 +91,8 @@ class SpeedLaw(Struct, frozen=True):
         Returns:
             Angles (...) [rad].
         """
-        return np.asarray(self._angle(time))
+        which, since = self._place(time)
+        return self._angles[which] + _integral(self._cubics[:, which], since)
 
     def speed(self, time: Floats) -> Floats:
         """Compute the speed.
@@ -85,7 +103,9 @@ class SpeedLaw(Struct, frozen=True):
         Returns:
             Speeds (...) [rad/s].
         """
-        return np.asarray(self._angle(time, 1))
+        which, since = self._place(time)
+        third, second, first, constant = self._cubics[:, which]
+        return np.asarray(((third * since + second) * since + first) * since + constant)
 
     def acceleration(self, time: Floats) -> Floats:
         """Compute the acceleration.
@@ -96,7 +116,19 @@ class SpeedLaw(Struct, frozen=True):
         Returns:
             Accelerations (...) [rad/s²].
         """
-        return np.asarray(self._angle(time, 2))
+        which, since = self._place(time)
+        third, second, first, _ = self._cubics[:, which]
+        return np.asarray((3.0 * third * since + 2.0 * second) * since + first)
+
+    def _place(self, time: Floats) -> tuple[NDArray[np.intp], Floats]:
+        """Return the piece in which each instant lies, the outer ones beyond the ends, and the time since it began [s]."""
+        which = np.clip(np.searchsorted(self._begins, time, side="right") - 1, 0, self._begins.size - 1)
+        return which, time - self._begins[which]
+
+
+def _integral(cubics: Floats, since: Floats) -> Floats:
+    third, second, first, constant = cubics
+    return np.asarray((((third / 4.0 * since + second / 3.0) * since + first / 2.0) * since + constant) * since)
 
 
 def _require(time: Floats, speed: Floats) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 import numpy as np
-import scipy.linalg
+import scipy
 from msgspec import Struct
 from msgspec.structs import replace
 

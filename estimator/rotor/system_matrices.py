@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import scipy.linalg
+import scipy
 from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats

@@ -7,7 +7,7 @@ their own frequency, which the synchronous reduction of the pads is not.
 from dataclasses import replace
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from estimator.arrays import Floats
 from estimator.films.tilted_pads import HeldPads

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 
 import numpy as np
-import scipy.linalg
+import scipy
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
