@@ -45,6 +45,8 @@ def read_yaml(path: Path) -> Any:
     except bounded_yaml.TooManyValues as error:
         most = bounded_yaml.MOST_WRITTEN
         raise UnreadableFile(f"{path}, {error}: more values are written than the {most} a file may have") from error
+    except bounded_yaml.WrittenTwice as error:
+        raise UnreadableFile(f"{path}, {error}: keep one of them") from error
     except _Circle as error:
         raise UnreadableFile(f"{path}: a part of it stands for something in which it lies itself") from error
     # The library lets errors of Python pass: of dates, of numbers, of tags.

@@ -114,6 +114,12 @@ DOCUMENTS: Mapping[str, str] = {
         "{diameter} m, aber Welle '{shaft}' ist an der Stelle {station} m {thick} m dick: der Zapfen ist dieser Teil der Welle"
     ),
     "{value} {unit}: usual is {least} to {most}": "{value} {unit}: üblich ist {least} bis {most}",
+    "no coupling joins shaft '{shaft}' to shaft '{first}': is one missing?": (
+        "keine Kupplung verbindet Welle '{shaft}' mit Welle '{first}': fehlt eine?"
+    ),
+    "{angle} ° at station {station} m is where probe '{other}' stands: is one of them meant to be elsewhere?": (
+        "bei {angle} ° an der Stelle {station} m steht schon Sensor '{other}': soll einer von beiden woanders stehen?"
+    ),
     "was {value} N/µm meant?": "waren {value} N/µm gemeint?",
     "was {value} MN m/rad meant?": "waren {value} MN m/rad gemeint?",
     "the table covers {first} to {last} r/min and is held level beyond its ends, {beyond} r/min": (

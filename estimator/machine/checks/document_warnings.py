@@ -7,6 +7,7 @@ from msgspec import Struct
 
 from estimator.machine.alignment_rules import OFFSETS
 from estimator.machine.checks.odd_angles import odd_angles
+from estimator.machine.checks.odd_arrangements import odd_arrangements
 from estimator.machine.checks.odd_forces import odd_forces
 from estimator.machine.checks.odd_masses import odd_masses
 from estimator.machine.checks.odd_supplies import odd_supplies
@@ -37,7 +38,7 @@ SLOWEST_RANGE = 120.0
 
 LEAST_LEFT = 0.1
 """Part of the speed range that is left above a film's valid_above_rpm below which it is warned of [-]."""
-ODD = (odd_masses, odd_forces, odd_angles, odd_supplies)
+ODD = (odd_masses, odd_forces, odd_angles, odd_arrangements, odd_supplies)
 """Checks of parts that know their own fields."""
 
 

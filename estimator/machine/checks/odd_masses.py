@@ -15,7 +15,7 @@ PEDESTALS = (0.02, 100.0)
 """Mass of a pedestal over a bearing's share of all rotors' mass beyond which a warning asks whether its unit is right [-]."""
 USUAL_PEDESTAL = (0.1, 10.0)
 """Usual mass of a pedestal over that share [-]."""
-GYRATION = (1e-3, 5.0)
+GYRATION = (1e-3, 3.0)
 """Radius of gyration of a disc beyond which a warning asks whether the unit of its inertia is right [m]."""
 USUAL_GYRATION = (0.01, 2.0)
 """Usual radius of gyration of a disc [m]."""

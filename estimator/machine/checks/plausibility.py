@@ -15,9 +15,9 @@ from estimator.machine.document import Machine, field_path
 from estimator.machine.films import DEFAULT_GROOVE, Elevation, JournalFilm
 from estimator.machine.parameter_description import is_direct
 from estimator.machine.part_coefficients import coefficient_values
-from estimator.machine.parts import Bearing, Coupling, Material, Pedestal, Section
+from estimator.machine.parts import Bearing, Coupling, Disc, Half, Material, Pedestal, Section
 from estimator.machine.rules import ParameterRule
-from estimator.usual_values import declarations
+from estimator.usual_values import declarations, question
 
 SMALLEST_YOUNG_MODULUS = 1e8
 """Smallest Young's modulus of a shaft [N/m²]: that of a hard rubber."""
@@ -31,6 +31,8 @@ LARGEST_ELEVATION = 0.01
 """Largest elevation of a bearing over its aligned place [m]."""
 SMALLEST_TOLERANCE = 1e-6
 """Smallest tolerance of a coupling's offset [m], and of its angle [rad]: what is left of none would be passed by every run."""
+LARGEST_POLAR = 2.02
+"""Largest polar over diametral moment of inertia [-]: 2 of a flat disc, 2 % for rounded figures. No body has more."""
 SLENDERNESS = (0.05, 20.0)
 """Least and largest length over diameter of a journal bearing [-]."""
 TIMES_USUAL = 10.0
@@ -66,6 +68,7 @@ def _by_field(machine: Machine) -> Iterator[tuple[str, str]]:
         for j, section in enumerate(shaft.sections):
             if section.outer_diameter > LARGEST_DIAMETER:
                 yield f"shafts[{i}].sections[{j}].outer_diameter", diameter.words(section.outer_diameter)
+    yield from _inertias(machine)
     for place in ("bearings", "pedestals"):
         for i, part in enumerate(getattr(machine, place)):
             yield from ((f"{place}[{i}].{field}", words) for field, words in _soft(part))
@@ -84,6 +87,20 @@ def _by_field(machine: Machine) -> Iterator[tuple[str, str]]:
             if allowed is not None and allowed < SMALLEST_TOLERANCE:
                 message = f"{allowed:g} {unit}: no coupling stays aligned within less than 1 µ{unit}; usual is {usual} {unit}"
                 yield f"operation.alignment_tolerances[{i}].{name}", message
+
+
+def _inertias(machine: Machine) -> Iterator[tuple[str, str]]:
+    """Yield polar moments of inertia that no body with the diametral one beside it has; 0 is one that is left out."""
+    parts: list[tuple[str, Disc | Half]] = [(f"discs[{i}]", disc) for i, disc in enumerate(machine.discs)]
+    for i, one in enumerate(machine.couplings):
+        halves = (("driver_half", one.driver_half), ("driven_half", one.driven_half))
+        parts += [(f"couplings[{i}].{name}", half) for name, half in halves if half is not None]
+    for place, part in parts:
+        polar, diametral = part.polar_inertia, part.diametral_inertia
+        if polar > LARGEST_POLAR * diametral > 0.0:
+            meant = question(polar, "kg m²", (diametral, 2.0 * diametral))
+            words = f"{polar:g} kg m² is more than twice diametral_inertia, {diametral:g} kg m²: no body has that{meant}"
+            yield f"{place}.polar_inertia", words
 
 
 def _soft(part: Bearing | Pedestal) -> Iterator[tuple[str, str]]:

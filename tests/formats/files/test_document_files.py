@@ -88,3 +88,19 @@ def test_aliases_of_an_honest_document_are_taken(tmp_path: Path) -> None:
     assert read_yaml(path) == {"first": [1, 2], "second": [1, 2]}
     path.write_text(text)
     assert read_machine(path).id == "motor-compressor"
+
+
+def test_a_field_that_is_written_twice_is_named_with_its_lines(tmp_path: Path) -> None:
+    file = tmp_path / "machine.yaml"
+    file.write_text(
+        "id: pump\nnoise: {relative: 0.01}\nbearings:\n- {id: B1, kxx: 1.8e+7, kxx: 9.9e+7}\nnoise: {relative: 0.05}\n"
+    )
+    with pytest.raises(
+        UnreadableFile, match=r"machine\.yaml, line 5: 'noise' is written a second time, after line 2: keep one"
+    ):
+        read_yaml(file)
+    file.write_text('{"id": "pump", "bearings": [{"kxx": 1,\n"kxx": 2}]}')
+    with pytest.raises(UnreadableFile, match=r"line 2: 'kxx' is written a second time, after line 1"):
+        read_yaml(file)
+    file.write_text("a: &a {k: 1}\nb: &b {c: 2}\nd: {<<: *a, k: 3}\ne: [{<<: [*a, *b]}]\n")
+    assert read_yaml(file)["d"] == {"k": 3}

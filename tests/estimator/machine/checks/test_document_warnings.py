@@ -276,3 +276,20 @@ def test_a_static_force_far_beyond_the_weight_is_named() -> None:
     assert warning.field == "static_loads[0].force_y"
     assert warning.words.startswith("-5e+06 N is ")
     assert "times the weight of all rotors, " in warning.words
+
+
+def test_a_train_in_two_pieces_is_named() -> None:
+    said = chapter_3_document()
+    said["couplings"] = []
+    (warning,) = document_warnings(parse_machine(said))
+    assert (warning.field, warning.words) == ("shafts[1]", "no coupling joins shaft 'S2' to shaft 'S1': is one missing?")
+
+
+def test_a_probe_that_is_described_twice_is_named() -> None:
+    said = chapter_3_document()
+    said["probes"].append(said["probes"][0] | {"id": "again", "angle_deg": said["probes"][0]["angle_deg"] + 360.0})
+    (warning,) = document_warnings(parse_machine(said))
+    assert warning.field == f"probes[{len(said['probes']) - 1}].angle_deg"
+    assert f"is where probe '{said['probes'][0]['id']}' stands" in warning.words
+    said["probes"][-1]["absolute"] = True
+    assert document_warnings(parse_machine(said)) == ()

@@ -36,6 +36,10 @@ def per_cent(document: dict[str, Any]) -> None:
     document["parameters"] = [{"names": "bearing.B1.k*", "spread": 30}]
 
 
+def more_polar_than_a_disc(document: dict[str, Any]) -> None:
+    document["discs"][0] |= {"diametral_inertia": 4.0, "polar_inertia": 100.0}
+
+
 def newtons_per_micrometre(document: dict[str, Any]) -> None:
     document["bearings"][1]["kxx"] = 90.0
 
@@ -49,6 +53,11 @@ def newtons_per_micrometre(document: dict[str, Any]) -> None:
         (grams_per_cubic_centimetre, "materials.steel.density", "7.85 kg/m³: steel has 7850 kg/m³; was 7.85 g/cm³ meant"),
         (soft_coupling, "couplings\\[0\\].kxx", "1.2 N/m: usual is 1e\\+5 to 1e\\+10 N/m; was 1.2 N/µm meant, 1.2e\\+06 N/m"),
         (per_cent, "parameters\\[0\\].spread", "30: usual is 0.01 to 1; was 30 % meant, 0.3"),
+        (
+            more_polar_than_a_disc,
+            "discs\\[0\\].polar_inertia",
+            "100 kg m² is more than twice diametral_inertia, 4 kg m²: no body",
+        ),
         (newtons_per_micrometre, "bearings\\[1\\].kxx", "90 N/m: usual is 1e\\+5 to 1e\\+10 N/m; was 90 N/µm meant"),
     ],
 )
