@@ -1,5 +1,6 @@
 """Calibrates a machine from recorded runs with known unbalances, as `rundown calibrate` does."""
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -55,9 +56,13 @@ class CalibratedMachine:
         return self.found.verdict
 
     def write(self, file: str | Path) -> None:
-        """Write the calibrated document as YAML. Raises NotCalibrated for one that is not accepted, OSError."""
+        """Write the calibrated document as YAML, or over one that was written before.
+
+        Raises NotCalibrated for one that is not accepted, or where another file is in the way, OSError.
+        """
         if not self.accepted:
             raise NotCalibrated(f"nothing is written, for the calibration is not accepted: {self.verdict}")
+        require_replaceable(Path(file))
         content = self.machine.model_dump(mode="json", exclude_none=True)
         text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=LINE_WIDTH, allow_unicode=True)
         Path(file).write_text(text, encoding="utf-8")
@@ -70,6 +75,12 @@ class CalibratedMachine:
     def _repr_html_(self) -> str:
         """Return the text for a notebook, escaped."""
         return notebook_text(self)
+
+
+def require_replaceable(file: Path) -> None:
+    """Check that a file may be written: none is there, or a calibrated document. Raises NotCalibrated for another file."""
+    if file.is_file() and not re.search(r"^calibration:", file.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
+        raise NotCalibrated(f"{file} is there already, and is no calibrated document: name another file to write")
 
 
 def calibrate(

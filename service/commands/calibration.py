@@ -35,11 +35,13 @@ def calibrate(
     and held at the document's values. Ends with status 1, and writes nothing, when the model does not fit.
     """
     from formats.files.document_files import UnreadableFile, read_machine
-    from rotorundown.calibration import NotCalibrated
+    from rotorundown.calibration import NotCalibrated, require_replaceable
     from rotorundown.calibration import calibrate as calibrated
     from service.commands.document_warnings import print_warnings
 
+    target = output or written_beside(machine, f"{machine.stem}-calibrated.yaml")
     try:
+        require_replaceable(target)
         described = read_machine(machine)
         print_warnings(described)
         with working("calibrating"):
@@ -54,7 +56,6 @@ def calibrate(
         print_text(str(found))
     if not found.accepted:
         raise typer.Exit(1)
-    target = output or written_beside(machine, f"{machine.stem}-calibrated.yaml")
     try:
         found.write(target)
     except OSError as error:

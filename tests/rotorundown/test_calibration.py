@@ -34,6 +34,10 @@ def test_the_measured_kit_is_calibrated_and_written(calibrated: rd.CalibratedMac
     assert str(calibrated).startswith(calibrated.verdict)
     assert calibrated._repr_html_().startswith("<pre>")
     calibrated.write(tmp_path / "kit.yaml")
+    calibrated.write(tmp_path / "kit.yaml")
+    (tmp_path / "own.yaml").write_text("id: kit  # mine\n")
+    with pytest.raises(NotCalibrated, match=r"own\.yaml is there already"):
+        calibrated.write(tmp_path / "own.yaml")
     assert rd.read_machine(tmp_path / "kit.yaml") == calibrated.machine
 
 

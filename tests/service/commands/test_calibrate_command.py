@@ -253,3 +253,11 @@ def test_runs_that_never_enter_the_speed_range_are_told_before_the_fit(
     first, *rest = run("calibrate", str(document), file, status=1).splitlines()
     assert first.startswith(f"{file}: it turns at 1002 to 1209 r/min and never enters the document's speed range")
     assert "the fit begins" in rest[-1]
+
+
+def test_a_document_of_ones_own_is_never_written_over(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_bytes(Path(DOCUMENT).read_bytes())
+    told = run("calibrate", str(own), recording(tmp_path, "taught", held=False), "--output", str(own), status=1)
+    assert "own.yaml is there already, and is no calibrated document: name another file to write" in told
+    assert own.read_bytes() == Path(DOCUMENT).read_bytes()
