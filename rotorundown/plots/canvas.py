@@ -13,6 +13,10 @@ MEASURED, FITTED = "0.45", "tab:blue"
 """Colours of measured points and of the model."""
 
 
+FILES_ONLY = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template"}
+"""Backends of matplotlib that show no figure."""
+
+
 class UnknownChannel(KeyError):
     """Raised for a channel that the machine does not have; the message suggests names like it."""
 
@@ -24,7 +28,13 @@ def figure(rows: int, columns: int, **layout: Any) -> "tuple[Figure, Any]":
     """Return a figure with an array (rows, columns) of axes. Raises PackageMissing without matplotlib."""
     pyplot = optional_package("matplotlib.pyplot", needed_for="plots")
     size = (min(4.0 * columns, 14.0), 3.0 * rows)
-    return pyplot.subplots(rows, columns, squeeze=False, figsize=size, layout="constrained", **layout)  # type: ignore[no-any-return]
+    if pyplot.get_backend().lower() in FILES_ONLY:  # pyplot would keep every figure of a script that nobody can look at
+        drawn = optional_package("matplotlib.figure", needed_for="plots").Figure(figsize=size, layout="constrained")
+    else:
+        from rotorundown.plots.notebook_figure import NotebookFigure
+
+        drawn = pyplot.figure(FigureClass=NotebookFigure, figsize=size, layout="constrained")
+    return drawn, drawn.subplots(rows, columns, squeeze=False, **layout)
 
 
 def channel_numbers(known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:

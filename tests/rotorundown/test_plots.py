@@ -1,6 +1,9 @@
 """Plots hold the numbers that they claim to show, and say what is missing."""
 
+import os
+import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +15,7 @@ import rotorundown as rd
 from estimator.machine.document import Machine
 from rotorundown.environment.optional_packages import PackageMissing
 from rotorundown.plots.centreline import NoFilms
-from tests.paths import ROOT
+from tests.paths import EXAMPLES, ROOT
 
 
 def curve(figure: Figure, axes: int, line: int) -> tuple[np.ndarray, np.ndarray]:
@@ -133,3 +136,33 @@ def test_a_missing_package_is_named(result: rd.Result, run: rd.MachineRun, monke
         result.plot_bode()
     with pytest.raises(PackageMissing, match=r"^data frames need pandas: pip install 'rotorundown\[frames\]'$"):
         run.to_frame()
+
+
+CELLS = """
+import sys
+from IPython.core.interactiveshell import InteractiveShell
+from IPython.utils.capture import capture_output
+shell = InteractiveShell.instance()
+shell.run_cell(f"import rotorundown as rd; plot = rd.model(rd.read_machine('{sys.argv[1]}')).plot_campbell")
+for cell in ("plot()", "plot(); plot()", "kept = plot()", "kept", "for _ in range(15): plot()"):
+    with capture_output() as captured:
+        shell.run_cell(cell).raise_error()
+    print(sum("image/png" in one.data for one in captured.outputs), captured.stderr)
+"""
+
+
+def test_a_notebook_shows_each_plot_once(tmp_path: Path) -> None:
+    inline = os.environ | {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "IPYTHONDIR": str(tmp_path)}
+    example = str(EXAMPLES / "motor-pump.yaml")
+    done = subprocess.run(
+        [sys.executable, "-c", CELLS, example], env=inline, cwd=ROOT, capture_output=True, text=True, check=True, timeout=120
+    )
+    assert [line for line in done.stdout.split() if line.isdigit()] == ["1", "2", "1", "1", "15"]
+
+
+def test_a_script_that_only_writes_files_keeps_no_figure_open(result: rd.Result) -> None:
+    from matplotlib import pyplot
+
+    open_before = pyplot.get_fignums()
+    result.plot_bode(["B1L"]).savefig(os.devnull, format="png")
+    assert pyplot.get_fignums() == open_before
