@@ -72,6 +72,8 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
         "evidence-calibration.md",
         "evidence-estimator.md",
         "evidence-run-downs.md",
+        "evidence-service.md",
+        "evidence-faults.md",
         "fleets.md",
         "faults.md",
     ),

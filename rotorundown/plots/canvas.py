@@ -13,10 +13,6 @@ MEASURED, FITTED = "0.45", "tab:blue"
 """Colours of measured points and of the model."""
 
 
-FILES_ONLY = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template"}
-"""Backends of matplotlib that show no figure."""
-
-
 class UnknownChannel(KeyError):
     """Raised for a channel that the machine does not have; the message suggests names like it."""
 
@@ -28,12 +24,9 @@ def figure(rows: int, columns: int, **layout: Any) -> "tuple[Figure, Any]":
     """Return a figure with an array (rows, columns) of axes. Raises PackageMissing without matplotlib."""
     pyplot = optional_package("matplotlib.pyplot", needed_for="plots")
     size = (min(4.0 * columns, 14.0), 3.0 * rows)
-    if pyplot.get_backend().lower() in FILES_ONLY:  # pyplot would keep every figure of a script that nobody can look at
-        drawn = optional_package("matplotlib.figure", needed_for="plots").Figure(figsize=size, layout="constrained")
-    else:
-        from rotorundown.plots.notebook_figure import NotebookFigure
+    from rotorundown.plots.notebook_figure import NotebookFigure  # needs matplotlib, which is there by now
 
-        drawn = pyplot.figure(FigureClass=NotebookFigure, figsize=size, layout="constrained")
+    drawn = pyplot.figure(FigureClass=NotebookFigure, figsize=size, layout="constrained")
     return drawn, drawn.subplots(rows, columns, squeeze=False, **layout)
 
 
