@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     __version__: str
     from estimator.machine.document import Machine
     from rotorundown.calibration import CalibratedMachine, calibrate
+    from rotorundown.checks import Checked, check
     from rotorundown.comparison import CouplingComparison, compare
     from rotorundown.diagnosis import CausesFound, diagnose
     from rotorundown.identification import identify
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CalibratedMachine",
     "CausesFound",
+    "Checked",
     "CouplingComparison",
     "Machine",
     "MachineRun",
@@ -41,6 +43,7 @@ __all__ = [
     "Service",
     "ServiceError",
     "calibrate",
+    "check",
     "compare",
     "diagnose",
     "identify",
@@ -55,6 +58,7 @@ __all__ = [
 _PLACES = {
     "CalibratedMachine": "rotorundown.calibration",
     "CausesFound": "rotorundown.diagnosis",
+    "Checked": "rotorundown.checks",
     "CouplingComparison": "rotorundown.comparison",
     "Machine": "estimator.machine.document",
     "MachineRun": "rotorundown.runs",
@@ -64,6 +68,7 @@ _PLACES = {
     "Service": "rotorundown.service_client",
     "ServiceError": "rotorundown.service_requests",
     "calibrate": "rotorundown.calibration",
+    "check": "rotorundown.checks",
     "compare": "rotorundown.comparison",
     "diagnose": "rotorundown.diagnosis",
     "identify": "rotorundown.identification",

@@ -12,6 +12,7 @@ from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import joined
 from estimator.phasors.quality import Quality
@@ -173,8 +174,10 @@ class Result(Struct, frozen=True, eq=False, dict=True):
             for run, quality in zip(self.runs, self.qualities, strict=True)
             for words in quality.findings
         ]
-        heading = [] if found.accepted else [REFUSED_VALUES]
-        told = [within_screen(line) for line in (f"{self.machine.id}: {head}", size, *findings)]
+        heading, doubts = [], []
+        if not found.accepted:
+            heading, doubts = [REFUSED_VALUES], [f"document: {one}" for one in document_warnings(self.machine)]
+        told = [within_screen(line) for line in (f"{self.machine.id}: {head}", size, *findings, *doubts)]
         return "\n".join([*told, "", *heading, *element_lines(found.estimates), "", ALL_PARAMETERS])
 
     __repr__ = __str__

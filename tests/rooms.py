@@ -78,8 +78,8 @@ rotorundown/plots: estimator estimator/fit estimator/fit/omitted_errors estimato
     estimator/phasors estimator/statics estimator/updated_model rotorundown/environment
 rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/identification estimator/machine estimator/machine/checks estimator/modes estimator/phasors
-    estimator/simulation estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment
-    rotorundown/plots storage storage/encoding
+    estimator/simulation estimator/statics estimator/updated_model formats/files formats/recordings formats/wire
+    rotorundown/environment rotorundown/plots storage storage/encoding
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage
@@ -160,7 +160,7 @@ service/commands/results: estimator estimator/alignment estimator/calibration es
     estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
 service/commands: estimator estimator/balancing estimator/bearings estimator/calibration estimator/diagnosis
     estimator/fit estimator/fit/omitted_errors estimator/identification estimator/machine estimator/machine/checks
-    estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model formats/files
+    estimator/phasors estimator/simulation estimator/thesis estimator/updated_model formats/files
     formats/recordings formats/wire rotorundown rotorundown/environment service/advice service/api
     service/api/operation service/balancing service/commands/results service/configuration service/delivery
     service/doctor service/edge service/export service/http service/identification service/ingest service/maintenance

@@ -49,20 +49,15 @@ def check(
     A train that would whirl, or whose journals would touch, within its speed range is warned of; on oil films that takes
     some seconds. Ends with status 1 where something is wrong; a warning is none.
     """
-    from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
-    from estimator.machine.film_speeds import slowest_rpm
-    from estimator.statics.whirl_in_range import instability_words
+    from rotorundown.checks import all_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
 
     try:
         described = read_machine(machine)
     except WrongMachine as error:
         fail(str(error))
-    warnings = document_warnings(described)
-    never_carried = slowest_rpm(described) >= described.speed_range.maximum_rpm  # which is warned of with its field
     with working("looking whether the films carry and the train would whirl"):
-        unfit = "" if never_carried else instability_words(described)
-    warnings += (DocumentWarning("bearings", unfit),) if unfit else ()
+        warnings = all_warnings(described)
     for warning in warnings:
         print_line(f"warning: {warning}", err=True)
     parts = (
@@ -85,24 +80,21 @@ def check(
 
 def _read(file: Path, machine: "Machine", *, as_json: bool) -> dict[str, Any]:
     """Return what a run holds and what is wrong with its phasors, or why it cannot be read; printed unless as JSON."""
-    from estimator.phasors.quality import assess
+    from rotorundown.checks import checked_run
     from rotorundown.runs import WrongRun, read_run
-    from service.commands.results.identification_report import quality_text
 
     try:
-        run = read_run(file, machine=machine)
+        checked = checked_run(machine, read_run(file, machine=machine))
     except WrongRun as error:
         print_text(str(error), err=True)
         return {"file": file, "wrong": str(error)}
-    quality = assess(run.recorded, noise=machine.noise, rules=machine.quality)
     if not as_json:
-        found = quality_text([file.name], [quality], gate=True)
-        print_text("\n".join([str(run), *([found] if found else [])]))
+        print_text(str(checked))
     return {
         "file": file,
-        "samples": len(run),
-        "units": run.units,
-        "left_out": run.left_out,
-        "findings": quality.findings,
-        "unusable_phasors": quality.counts,
+        "samples": len(checked.run),
+        "units": checked.run.units,
+        "left_out": checked.run.left_out,
+        "findings": checked.quality.findings,
+        "unusable_phasors": checked.quality.counts,
     }

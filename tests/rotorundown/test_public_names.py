@@ -15,6 +15,7 @@ from tests.paths import ROOT
 SURFACE = [
     "CalibratedMachine",
     "CausesFound",
+    "Checked",
     "CouplingComparison",
     "Machine",
     "MachineRun",
@@ -24,6 +25,7 @@ SURFACE = [
     "Service",
     "ServiceError",
     "calibrate",
+    "check",
     "compare",
     "diagnose",
     "identify",
