@@ -12,6 +12,7 @@ from rotorundown.environment.own_packages import require_own_packages
 
 if TYPE_CHECKING:
     __version__: str
+    from estimator.errors import Invalid
     from estimator.machine.document import Machine
     from rotorundown.calibration import CalibratedMachine, calibrate
     from rotorundown.checks import Checked, check
@@ -35,6 +36,7 @@ __all__ = [
     "CausesFound",
     "Checked",
     "CouplingComparison",
+    "Invalid",
     "Machine",
     "MachineRun",
     "Model",
@@ -60,6 +62,7 @@ _PLACES = {
     "CausesFound": "rotorundown.diagnosis",
     "Checked": "rotorundown.checks",
     "CouplingComparison": "rotorundown.comparison",
+    "Invalid": "estimator.errors",
     "Machine": "estimator.machine.document",
     "MachineRun": "rotorundown.runs",
     "Model": "rotorundown.machine_model",

@@ -1,6 +1,7 @@
 """`python -m service` is the command `rundown`."""
 
 import gc
+import io
 import os
 import sys
 
@@ -28,6 +29,10 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Nothing of what is loaded is garbage: looking for some takes a good part of the start.
     gc.disable()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a terminal's or file's letters may be fewer than χ² and µm need
+            stream.reconfigure(errors="replace")
+    _require_own_packages()
     try:
         from service.commands.app import app
 
@@ -42,6 +47,14 @@ def main() -> None:
             f"rundown: {package} is not installed. The library works without it (import rotorundown); "
             "the service and its commands need: pip install 'rotorundown[service]'"
         )
+
+
+def _require_own_packages() -> None:
+    """End in one line where a file of the user's hides a package of Rundown: the library's import looks for that."""
+    try:
+        import rotorundown  # noqa: F401
+    except ImportError as error:
+        sys.exit(f"rundown: {error}")
 
 
 if __name__ == "__main__":

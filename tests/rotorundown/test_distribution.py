@@ -1,5 +1,6 @@
 """The distribution: what the base install needs, one version, and a command that says so where the service is missing."""
 
+import os
 import re
 import subprocess
 import sys
@@ -66,3 +67,27 @@ def test_without_the_service_s_packages_the_command_says_so_in_one_line(missing:
     assert done.stderr.startswith(f"rundown: {missing} is not installed.")
     assert done.stderr.endswith("pip install 'rotorundown[service]'\n")
     assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("hidden", ["estimator", "formats", "storage"])
+def test_a_file_that_hides_a_package_is_named_by_the_command_in_one_line(hidden: str, tmp_path: Path) -> None:
+    (tmp_path / f"{hidden}.py").write_text("")
+    around = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
+    code = "from service.__main__ import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "--version"], cwd=ROOT.parent, env=around, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    hiding = tmp_path / f"{hidden}.py"
+    right = "rename that, or start Python elsewhere"
+    assert done.stderr == f"rundown: {hiding} hides rotorundown's own package '{hidden}': {right}\n"
+
+
+def test_output_in_a_narrow_encoding_loses_letters_and_not_the_command() -> None:
+    around = os.environ | {"PYTHONIOENCODING": "cp1252", "PYTHONPATH": str(ROOT)}
+    arguments = ["identify", "examples/motor-pump.yaml", "examples/recordings/motor-pump.csv"]
+    done = subprocess.run(
+        [sys.executable, "-m", "service", *arguments], cwd=ROOT, env=around, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "accepted: ?\xb2/dof" in done.stdout.decode("cp1252")

@@ -17,6 +17,7 @@ SURFACE = [
     "CausesFound",
     "Checked",
     "CouplingComparison",
+    "Invalid",
     "Machine",
     "MachineRun",
     "Model",
