@@ -18,6 +18,7 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.model import UpdatedModel, model_at
+from rotorundown.copied_runs import copied_run, copy_words
 from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result, require_result
 
@@ -86,7 +87,7 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
         The causes.
 
     Raises:
-        NotDiagnosable: Results are missing, not accepted in the baseline, or of different machines.
+        NotDiagnosable: Results are missing, not accepted in the baseline, of different machines, or one is there twice.
         NotIdentified: Something in the lists is no result of `identify`.
     """
     for name, several in (("baseline", baseline), ("later", later)):
@@ -102,6 +103,10 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     others = {one.machine.id for one in (*baseline, *later)} - {machine.id}
     if others:
         raise NotDiagnosable(f"the results are of several machines: '{machine.id}' and {', '.join(sorted(others))}")
+    if len(baseline) == 1:
+        raise NotDiagnosable("baseline has one result: at least two show by how much a healthy machine varies")
+    if copied := copied_run([run for one in (*baseline, *later) for run in one.runs]):
+        raise NotDiagnosable(copy_words(copied))
     refused = next((one for one in baseline if not one.accepted), None)
     if refused is not None:
         raise NotDiagnosable(f"a result of the baseline is not accepted: {refused.verdict}")

@@ -12,6 +12,7 @@ from estimator.identification.quality_gate import GatedIdentification, identify_
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from estimator.strict_model import own_words
+from rotorundown.copied_runs import copied_run, copy_words
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.machine_files import checked_machine
 from rotorundown.result import Result
@@ -72,6 +73,8 @@ def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
                 f"run '{run.name}' has the channels {', '.join(run.channels)}, machine '{machine.id}' has "
                 f"{', '.join(machine.channels)}: read it with this machine"
             )
+    if copied := copied_run(runs):
+        raise NothingToIdentify(copy_words(copied))
 
 
 def _rule_words(item: ErrorDetails, given: Mapping[str, Any]) -> str:

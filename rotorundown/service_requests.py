@@ -91,5 +91,11 @@ def _refusal(error: urllib.error.HTTPError) -> str:
         fields = "; ".join(f"{one['field']}: {one['message']}" for one in problem.get("errors", ()))
         return f"{error.code} {problem['title']}: {problem['detail']}{f' ({fields})' if fields else ''}"
     except (ValueError, KeyError, TypeError, AttributeError):
-        text = body[:LONGEST_REASON].decode(errors="replace").strip()
+        page = "html" in error.headers.get("Content-Type", "")
+        text = "a web page: is it the address of the service?" if page else _first_line(body)
         return f"{error.code} {error.reason}{f': {text}' if text else ''}"
+
+
+def _first_line(body: bytes) -> str:
+    lines = body[:LONGEST_REASON].decode(errors="replace").split("\n")
+    return next((line.strip() for line in lines if line.strip()), "")

@@ -26,6 +26,8 @@ def init(
     name = file.stem
     if not re.fullmatch(r"[A-Za-z0-9_-]{1,64}", name):
         fail(f"'{name}' is no id: name the file with letters, digits, '_' and '-', up to 64, such as pump-12.yaml")
+    if file.suffix.lower() not in ("", ".yaml", ".yml"):
+        fail(f"{file}: the document is YAML, with comments; name it {file.with_suffix('.yaml').name}")
     text = files("service.commands").joinpath(TEMPLATE).read_text(encoding="utf-8")
     try:
         with file.open("x", encoding="utf-8") as written:

@@ -7,6 +7,10 @@ from typing import Any
 
 from typer.core import TyperGroup
 
+from service.commands.json_output import print_json
+
+WRONG_USAGE = 2
+"""Status of a command line that is wrong itself."""
 PANELS: dict[str, tuple[str, ...]] = {
     "Try it": ("demo", "init", "check", "document", "sample"),
     "Analyse recorded runs": ("identify", "model", "compare", "calibrate", "balance", "slow-roll"),
@@ -74,6 +78,17 @@ class PanelledGroup(TyperGroup):
         finally:
             if installs:
                 complete_at_first_tab(ctx.info_name)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that is asked for; where its arguments are wrong and JSON is wanted, the error is JSON, too."""
+        wanted = "--json" in ctx.args
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            words = getattr(error, "format_message", None)  # of click's errors, which typer brings along in a form of its own
+            if wanted and words is not None and getattr(error, "exit_code", None) == WRONG_USAGE:
+                print_json({"error": words()})
+            raise
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands in the order of their panels, then any others."""

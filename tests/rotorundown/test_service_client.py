@@ -3,6 +3,8 @@
 import re
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from threading import Thread
 from typing import Any
 
 import msgspec
@@ -162,3 +164,20 @@ def test_a_recorded_run_is_taken_home_to_identify(service: rd.Service, plant: Da
     backwards = rd.Machine.model_validate(kit.model_dump() | {"rotation": "negative"})
     with pytest.raises(WrongRun, match="does not turn as"):
         service.run(number, machine=backwards)
+
+
+def test_a_web_page_in_the_services_place_is_told_in_one_line() -> None:
+    class Page(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(404)
+            self.send_header("Content-Type", "text/html; charset=utf-8")
+            self.end_headers()
+            self.wfile.write(b"<!DOCTYPE html>\n<html>\n<body>not here</body></html>")
+
+        def log_message(self, *_args: object) -> None: ...
+
+    with HTTPServer(("127.0.0.1", 0), Page) as server:
+        Thread(target=server.handle_request).start()
+        with pytest.raises(rd.ServiceError) as refused:
+            rd.Service(f"http://127.0.0.1:{server.server_port}").machines()
+    assert str(refused.value) == "404 Not Found: a web page: is it the address of the service?"

@@ -104,3 +104,13 @@ def test_a_model_is_printed_in_a_line(pump: Machine) -> None:
     assert str(rd.model(pump)) == repr(rd.model(pump))
     assert str(rd.model(pump)).startswith("motor-pump: model with critical_speeds(), campbell(), plot_campbell()")
     assert all(hasattr(rd.Model, name) for name in re.findall(r"(\w+)\(\)", str(rd.model(pump))))
+
+
+def test_what_is_given_twice_is_named(run: rd.MachineRun, result: rd.Result) -> None:
+    with pytest.raises(rd.Invalid, match=r"runs '.+' and '.+' hold the same samples: one is a copy"):
+        rd.identify(result.machine, [run, run])
+    later = rd.identify(result.machine, rd.simulate(result.machine, run_seed=7))
+    with pytest.raises(rd.Invalid, match="hold the same samples"):
+        rd.diagnose([result, later], [result])
+    with pytest.raises(rd.Invalid, match="baseline has one result: at least two"):
+        rd.diagnose([result], [later])

@@ -100,3 +100,10 @@ def test_a_shaft_that_nothing_carries_is_said(tmp_path: Path) -> None:
     file = tmp_path / "loose.yaml"
     file.write_text(yaml.safe_dump(said), encoding="utf-8")
     assert "warning: bearings: a shaft is held neither by two bearings nor by a coupling" in run("check", str(file))
+
+
+def test_a_document_is_begun_as_yaml(tmp_path: Path) -> None:
+    assert "pump.json: the document is YAML, with comments; name it pump.yaml" in run(
+        "init", str(tmp_path / "pump.json"), status=1
+    )
+    assert list(tmp_path.iterdir()) == []

@@ -245,3 +245,17 @@ def test_moving_tells_how_far_it_is(tmp_path: Path) -> None:
     move(url, f"sqlite:///{tmp_path / 'new.db'}", lambda done, total: told.append((done, total)))
     assert told[-1][0] == told[-1][1] > 0
     assert told == sorted(told)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("identify", "--json"), "Missing argument 'machine'"),
+        (("check", "pump.yaml", "--jsn", "--json"), "No such option: --jsn"),
+    ],
+)
+def test_a_wrong_command_line_is_json_too_where_that_is_asked_for(arguments: tuple[str, ...], words: str) -> None:
+    ended = CliRunner().invoke(app, list(arguments))
+    assert ended.exit_code == 2
+    assert json.loads(ended.stdout)["error"].startswith(words)
+    assert CliRunner().invoke(app, [one for one in arguments if one != "--json"]).stdout == ""
