@@ -6,6 +6,12 @@ FITS: Mapping[str, str] = {
     "accepted: {rest}": "angenommen: {rest}",
     "accepted": "angenommen",
     "the stated noise is too large: {rest}": "das angegebene Rauschen ist zu groß: {rest}",
+    "phasors scatter over {factor} times less than stated: are the noise and the unit of amplitudes right?": (
+        "Zeiger streuen über {factor}-mal weniger als angegeben: stimmen das Rauschen und die Einheit der Amplituden?"
+    ),
+    "phasors scatter {factor} times less than stated: are the noise and the unit of amplitudes right?": (
+        "Zeiger streuen {factor}-mal weniger als angegeben: stimmen das Rauschen und die Einheit der Amplituden?"
+    ),
     "no noise to be seen: {rest}": "kein Rauschen zu sehen: {rest}",
     "the model does not fit the data: {rest}": "das Modell passt nicht zu den Daten: {rest}",
     "too much does not fit: {rest}": "zu viel passt nicht: {rest}",

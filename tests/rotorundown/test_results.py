@@ -120,3 +120,12 @@ def test_a_simulated_run_is_a_sweep_that_its_times_believe() -> None:
     assert ": accepted:" in said
     assert "the model predicts deviations from the steady state" in said
     assert "the times are not those" not in said
+
+
+def test_amplitudes_in_a_larger_unit_than_is_said_are_doubted(pump: Machine, run: rd.MachineRun) -> None:
+    frame = run.to_frame()
+    amplitudes = [name for name in frame if name.endswith("_um_pp")]
+    frame[amplitudes] /= 25.4  # mil that are said to be µm
+    found = rd.identify(pump, rd.read_run(frame, machine=pump))
+    assert "times less than stated: are the noise and the unit of amplitudes right?" in found.verdict
+    assert "times less than stated" not in rd.identify(pump, run).verdict

@@ -13,6 +13,10 @@ from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.calibration_conflict import SMALLEST_CHANCE, calibration_conflict
 
+FAR_LESS_NOISE = 7.0
+"""Factor by which noise is less than stated from which on the unit of amplitudes is doubted [-]: a mil is 25 µm."""
+MOST_TIMES = 1000.0
+"""Factor from which on its size says nothing more [-]."""
 CHI_SQUARE_LIMIT = 5.0
 """Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""
 LARGEST_OUTLIER_PART = 0.1
@@ -107,8 +111,16 @@ def judge(problem: FitProblem, found: FitResult) -> Verdict:
         where = _misfitting_channel(problem, found)
         return Verdict(False, f"{against or 'the model does not fit the data'}: {chi}{where}{outlying}", freedom)
     if reduced < 1.0 - CHI_SQUARE_LIMIT * spread:
-        return Verdict(True, f"accepted; the stated noise is too large: {chi}{outlying}", freedom)
+        return Verdict(True, f"accepted; the stated noise is too large: {chi}{outlying}{_far_less_noise(reduced)}", freedom)
     return Verdict(True, f"accepted: {chi}{outlying}", freedom)
+
+
+def _far_less_noise(reduced: float) -> str:
+    """Return the doubt whether amplitudes are in the unit that is said: in a larger one their noise looks far too small."""
+    if reduced > FAR_LESS_NOISE**-2:
+        return ""
+    factor = f"{reduced**-0.5:.0f} times" if reduced > MOST_TIMES**-2 else f"over {MOST_TIMES:.0f} times"
+    return f"; phasors scatter {factor} less than stated: are the noise and the unit of amplitudes right?"
 
 
 def is_unfinished(problem: FitProblem, found: FitResult) -> bool:
