@@ -78,21 +78,26 @@ def _wandering_clock(folder: Path, *, seed: int) -> clocks.Wandered:
         database.close()
 
 
-def _file_in_the_way(folder: Path) -> None:
+def _file_in_the_way(folder: Path) -> str:
     hindrances: dict[str, storage_faults.Hindrance] = {"locked": storage_faults.locked, "read-only": storage_faults.read_only}
-    print(storage_faults.hindered(folder, hindrances, seconds=30.0, samples=9000))
+    return _recovered(storage_faults.hindered(folder, hindrances, seconds=30.0, samples=9000))
 
 
-def _full_disk(folder: Path) -> None:
+def _full_disk(folder: Path) -> str:
     with storage_faults.own_disk(folder / "disk") as disk:
         database = f"sqlite:///{disk / 'rundown.db'}"
-        print(storage_faults.hindered(folder, {"full": storage_faults.full}, seconds=30.0, samples=5000, database=database))
+        full = {"full": storage_faults.full}
+        return _recovered(storage_faults.hindered(folder, full, seconds=30.0, samples=5000, database=database))
 
 
-def _server_away(folder: Path) -> None:
+def _server_away(folder: Path) -> str:
     with storage_faults.own_server() as (server, database):
         away = {"stopped": storage_faults.stopped(server)}
-        print(storage_faults.hindered(folder, away, seconds=60.0, samples=8000, database=database))
+        return _recovered(storage_faults.hindered(folder, away, seconds=60.0, samples=8000, database=database))
+
+
+def _recovered(after_s: dict[str, float]) -> str:
+    return ", ".join(f"well again {seconds:.1f} s after {name}" for name, seconds in after_s.items())
 
 
 def _alone_on_sqlite(folder: Path, *, seed: int, kills: int) -> roles.Killed:
