@@ -86,7 +86,7 @@ def _file_in_the_way(folder: Path) -> str:
 def _full_disk(folder: Path) -> str:
     with storage_faults.own_disk(folder / "disk") as disk:
         database = f"sqlite:///{disk / 'rundown.db'}"
-        full = {"full": storage_faults.full}
+        full: dict[str, storage_faults.Hindrance] = {"full": storage_faults.full}
         return _recovered(storage_faults.hindered(folder, full, seconds=30.0, samples=5000, database=database))
 
 
