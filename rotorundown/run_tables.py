@@ -28,6 +28,7 @@ from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import decimal_points, decoded, no_text
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
+from formats.recordings.standstill import at_standstill, standstill_words
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
     AMPLITUDE_ENDS,
@@ -152,8 +153,11 @@ class RunTable(Struct, frozen=True, eq=False):
             gap_unit=None if gap is None else "um",
         )
         samples, taken, faults = to_samples(batch, machine, received_at=now())
+        still = at_standstill(samples.speed, taken)
+        taken = taken & ~still
         doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
-        rejected = (f"{name}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults)
+        rows = [fault.of_row(kept=bool(taken[fault.index])) for fault in faults if not still[fault.index]]
+        rejected = (f"{name}, {words}" for words in (*rows, *standstill_words(still)))
         left_out = (*self._foreign(machine, name), *doubted, *rejected)
         if not np.any(taken):
             raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")

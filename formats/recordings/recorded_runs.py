@@ -23,6 +23,7 @@ from estimator.units import rpm_to_rad_per_s
 from formats.files.document_files import UnreadableFile
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
+from formats.recordings.standstill import at_standstill, standstill_words
 from formats.wire import Rejected, to_samples
 from storage.clock import now
 
@@ -94,18 +95,20 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
     if outside and not taken.any():
         raise UnreadableFile(f"{file}: {outside}")
-    run = samples.pick(taken)
-    if taken.any() and not np.any(run.speed > 0.0):
+    still = at_standstill(samples.speed, taken)
+    if taken.any() and np.array_equal(still, taken):
         raise UnreadableFile(
             f"{file}: its speed is zero throughout: did the keyphasor give pulses, and is its column the right one?"
         )
+    taken = taken & ~still
+    run = samples.pick(taken)
     circumstances = read_circumstances(file, sidecar)
     recorded = run.recorded(machine.channels)
     if circumstances.kind == "dwells":
         recorded = replace(recorded, time=None)  # no sweep has gone through them
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
-    words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults]
-    words += [*([f"{file}: {outside}"] if outside else []), *doubts]
+    words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults if not still[fault.index]]
+    words += [*(f"{file}, {one}" for one in standstill_words(still)), *([f"{file}: {outside}"] if outside else []), *doubts]
     return _ReadRun(recorded, measurement, circumstances, taken, words)
 
 
