@@ -14,6 +14,7 @@ from estimator.arrays import Floats
 from estimator.close_matches import close_names, did_you_mean
 from estimator.machine.document import Machine
 from estimator.machine.speed_units import NAMES
+from estimator.unit_names import declared_unit, unknown_unit
 from estimator.units import (
     METRES,
     RAD_PER_S,
@@ -80,12 +81,17 @@ class TableUnits(Struct, frozen=True):
     phase: PhaseUnit = "deg"
     phase_is_stated: bool = False
 
-    def __post_init__(self) -> None:
-        """Raise WrongRun for a unit that there is not."""
-        given = (self.speed, self.amplitude, self.kind, self.convention, self.phase)
-        for (option, known), unit in zip(UNIT_OPTIONS.items(), given, strict=True):
-            if unit not in get_args(known):
-                raise WrongRun(f"{option} {unit!r} is not one of {', '.join(get_args(known))}")
+    @classmethod
+    def named(cls, *, phase_unit: str | None, **given: str) -> "TableUnits":
+        """Return units by the names that people give them, as `read_run` takes them. Raises WrongRun for what is none."""
+        meant: dict[str, Any] = {}
+        for option, unit in {**given, "phase_unit": phase_unit or "deg"}.items():
+            known = get_args(UNIT_OPTIONS[option])
+            meant[option] = declared_unit(option, unit)
+            if meant[option] not in known:
+                raise WrongRun(f"{option} {unknown_unit(option, unit, known)}")
+        speed, amplitude, kind, convention, phase = (meant[option] for option in UNIT_OPTIONS)
+        return cls(speed, amplitude, kind, convention, phase, phase_unit is not None)
 
     @property
     def words(self) -> str:

@@ -137,7 +137,8 @@ def read_run(
     Without a sidecar the units are those given here, and a table needs a column `speed` (or `speed_rpm`, `rpm`), where known
     `time` (or `time_s`) [s], and for each channel such as `B1L` the columns `B1L_amplitude` and `B1L_phase` (or `B1L_um_pp`
     and `B1L_lag_deg`, as `rundown sample` writes them). A column `B1L_gap_um` holds the probe's mean gap [µm], which grows as
-    `gap_grows` of the document says. Without times the rate of the sweep is not judged.
+    `gap_grows` of the document says. Without times the rate of the sweep is not judged. Units may have the names that people
+    and instruments give them, such as `µm`, `r/min`, `pp` or `°`.
 
     Args:
         source: Path of a CSV file or a measuring system's, whose sidecar is used where one stands beside it; or a data frame,
@@ -158,8 +159,12 @@ def read_run(
     """
     if not isinstance(machine, Machine):
         raise WrongRun(f"machine is a {type(machine).__name__}: read it first, with read_machine(…)")
-    units = TableUnits(
-        speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit or "deg", phase_unit is not None
+    units = TableUnits.named(
+        speed_unit=speed_unit,
+        amplitude_unit=amplitude_unit,
+        amplitude_kind=amplitude_kind,
+        phase_convention=phase_convention,
+        phase_unit=phase_unit,
     )
     if not isinstance(source, str | Path):
         return _run_of_table(RunTable.of(source), "run", machine, units)

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 import yaml
 from msgspec import Struct
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import ErrorDetails
 
 from estimator.arrays import Complexes, Floats
@@ -19,7 +19,8 @@ from estimator.field_types import Identifier, Positive
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine, field_path
 from estimator.strict_model import own_words
-from estimator.units import RADIANS
+from estimator.unit_names import declared_unit, unknown_unit
+from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS
 from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
 from formats.files.like_named_files import like_named
@@ -75,6 +76,15 @@ EXAMPLES = {
     "phase_unit": "deg",
 }
 """Value of each field that a sidecar must have, as an example."""
+UNITS: dict[str, tuple[str, ...]] = {
+    "speed_unit": tuple(RAD_PER_S),
+    "amplitude_unit": (*METRES, "V"),
+    "amplitude_kind": tuple(PEAK),
+    "phase_convention": tuple(LEAD),
+    "phase_unit": tuple(RADIANS),
+    "gap_unit": (*METRES, "V"),
+}
+"""Units that the fields of a sidecar may have."""
 
 
 class Sidecar(BaseModel):
@@ -110,6 +120,15 @@ class Sidecar(BaseModel):
         description="column that tells rows apart between which the machine was taken apart or stood; "
         "by default a recording is one mounting",
     )
+
+    @field_validator(*UNITS, mode="before")
+    @classmethod
+    def _declared(cls, given: object, of: ValidationInfo) -> object:
+        field = str(of.field_name)
+        unit = declared_unit(field, given)
+        if isinstance(given, str) and unit not in UNITS[field]:
+            raise ValueError(unknown_unit(field, given, UNITS[field]))
+        return unit
 
     @field_validator("added_unbalance", mode="before")
     @classmethod

@@ -5,10 +5,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from estimator.field_types import Angle, NotNegative, Positive
 from estimator.machine.disc_scale import DiscScale
+from estimator.unit_names import declared_unit
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, RadiusUnit, WeightUnit
 
 EXAMPLE = "{amount: 48, unit: g mm, angle_deg: 90}"
@@ -38,6 +39,16 @@ class TrialWeight(BaseModel):
     radius: Positive | None = Field(default=None, description="at which a mass sits")
     radius_unit: RadiusUnit = Field(default="mm", description="of the radius; to be said for one that is unusual in mm")
     angle_deg: Angle | str = Field(description="angle on the disc's scale [°]; or a column")
+
+    @field_validator("unit", mode="before")
+    @classmethod
+    def _weight_unit(cls, given: object) -> object:
+        return declared_unit("weight_unit", given)
+
+    @field_validator("radius_unit", mode="before")
+    @classmethod
+    def _length_unit(cls, given: object) -> object:
+        return declared_unit("radius_unit", given)
 
     @model_validator(mode="before")
     @classmethod

@@ -23,10 +23,11 @@ UNITS: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
     ),
     "a unit that there is not": (
         lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
-        {"speed_unit": "hz"},
-        "speed_unit 'hz' is not one of rpm, rad/s, Hz",
+        {"speed_unit": "herz"},
+        "speed_unit 'herz' is not one of rpm, rad/s, Hz; did you mean 'Hz'?",
     ),
-    "a kind that there is not": (lambda frame, _: frame, {"amplitude_kind": "pp"}, "amplitude_kind 'pp' is not one of peak"),
+    "a kind that there is not": (lambda frame, _: frame, {"amplitude_kind": "rms"}, "amplitude_kind 'rms' is not one of peak"),
+    "no text for a unit": (lambda frame, _: frame, {"phase_unit": 360}, "phase_unit 360 is not one of deg, rad"),
     "revolutions a minute said to be radians": (
         lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
         {"speed_unit": "rad/s"},
@@ -87,7 +88,12 @@ def test_one_channel_in_radians_among_others_in_degrees_is_named(run: rd.Machine
     ("said", "instead", "words"),
     [
         ("phase_unit: deg", "phase_unit: rad", "are degrees and not radians: its sidecar should say phase_unit: deg"),
-        ("speed_unit: rpm", "speed_unit: herz", "run.csv: speed_unit 'herz' is not one of rpm, rad/s, Hz"),
+        ("speed_unit: rpm", "speed_unit: herz", "speed_unit: 'herz' is not one of rpm, rad/s, Hz; did you mean 'Hz'?"),
+        (
+            "amplitude_unit: um",
+            "amplitude_unit: µn",
+            "amplitude_unit: 'µn' is not one of m, mm, um, mil, V; did you mean 'um'?",
+        ),
     ],
 )
 def test_a_wrong_unit_of_a_sidecar_is_named_with_its_file(
@@ -104,3 +110,29 @@ def test_a_wrong_unit_of_a_sidecar_is_named_with_its_file(
     assert told.exit_code == 1
     (line,) = told.output.splitlines()
     assert words in line
+
+
+def test_units_have_the_names_that_people_and_the_tool_give_them(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    frame = run.to_frame().rename(columns={"speed_rpm": "speed"})
+    read = rd.read_run(
+        frame,
+        machine=pump,
+        speed_unit="r/min",  # type: ignore[arg-type]  # as people write it
+        amplitude_unit="µm",  # type: ignore[arg-type]
+        amplitude_kind="pk-pk",  # type: ignore[arg-type]
+        phase_convention="Lag",  # type: ignore[arg-type]
+        phase_unit="°",  # type: ignore[arg-type]
+    )
+    np.testing.assert_allclose(read.recorded.phasor, run.recorded.phasor, rtol=1e-6, atol=2e-11)
+    assert read.units == "as r/min, µm peak-to-peak, phase lag in degrees"
+    file = tmp_path / "run.csv"
+    assert CliRunner().invoke(app, ["sample", str(PUMP), str(file)]).exit_code == 0
+    right = rd.read_run(file, machine=pump).recorded.phasor
+    sidecar = file.with_suffix(".yaml")
+    named = {"rpm\n": "r/min\n", "um\n": "μm\n", "peak-to-peak": "p-p", "deg\n": "°\n"}
+    text = sidecar.read_text().replace("speed: speed_rpm\n", "speed: speed_rpm \n")
+    for unit, name in named.items():
+        assert unit in text
+        text = text.replace(f": {unit}", f": {name}")
+    sidecar.write_text(text, encoding="utf-8")
+    np.testing.assert_array_equal(rd.read_run(file, machine=pump).recorded.phasor, right)
