@@ -3,7 +3,6 @@
 Sources of samples declare units by their own names alone; these are for tables, sidecars and arguments.
 """
 
-import unicodedata
 from collections.abc import Iterable
 from typing import Any
 
@@ -18,7 +17,7 @@ LENGTHS = {
 }
 UNIT_NAMES: dict[str, dict[str, tuple[str, ...]]] = {
     "speed_unit": {
-        "rpm": ("r/min", "rev/min", "1/min", "min-1", "min^-1"),
+        "rpm": ("r/min", "rev/min", "1/min", "min-1", "min^-1", "min⁻¹"),
         "rad/s": ("rad/sec", "rad s-1"),
         "Hz": ("hertz", "rev/s", "r/s"),
     },
@@ -47,7 +46,7 @@ UNIT_NAMES: dict[str, dict[str, tuple[str, ...]]] = {
 
 def _plain(name: str) -> str:
     """Return a name as it is compared: in small letters, µ as Greek has it, one kind of sign between its words."""
-    folded = unicodedata.normalize("NFKC", name).casefold().replace("\N{MINUS SIGN}", "-")
+    folded = name.casefold()
     for sign in "_-·⋅*":
         folded = folded.replace(sign, " ")
     return " ".join(folded.split())

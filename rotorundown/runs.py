@@ -171,14 +171,18 @@ def read_run(
     path = found_example(Path(source))
     if path.is_dir():
         raise WrongRun(f"{path} is a folder: name a file of it")
-    beside = sidecar_of(path) if sidecar is None else Path(sidecar)
     if sidecar is None and is_plain_table(path):
         return _run_of_plain_file(path, machine, units)
+    return _run_of_recording(path, machine, sidecar_of(path) if sidecar is None else Path(sidecar))
+
+
+def _run_of_recording(path: Path, machine: Machine, sidecar: Path) -> MachineRun:
+    """Return the run in a recording with its sidecar. Raises WrongRun."""
     # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
     from formats.recordings.recorded_runs import read_runs
 
     try:
-        runs, left_out = read_runs(machine, [path], beside)
+        runs, left_out = read_runs(machine, [path], sidecar)
     except (UnreadableFile, Rejected) as error:
         raise WrongRun(str(error)) from None
     recorded, measurement = runs[0]
