@@ -1,21 +1,27 @@
 """Columns of a table as people have them: data frames with times as their index, missing values, numbers as text."""
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from datetime import datetime
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
+from formats.recordings.exported_table import number_hint
+from formats.recordings.plain_table import separator_of
+from formats.recordings.run_times import EXAMPLE, moment_of, seconds_since_first
 
 SPEED_COLUMNS = ("speed", "speed_rpm", "rpm")
 TIME_COLUMNS = ("time", "time_s")
+TIME_IN_SECONDS = re.compile(r"time(_s)?\s*[\[(]\s*(s|sec|secs|second|seconds)\s*[\])]")
+"""Names of a column of times with their unit, such as `time [s]`."""
 AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
 PHASE_ENDS = ("_phase", "_lag_deg")
 GAP_END = "_gap_um"
 """End of the names of columns of mean gaps [µm], as the probes' `gap_grows` of the document says that they grow."""
-OTHER_SEPARATORS = (";", "\t")
 MOST_NAMED = 5
 """Most columns that an error names of those that are too long or too short."""
 TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
@@ -26,8 +32,20 @@ class WrongRun(Invalid):
     """Raised for a file, a table or numbers that cannot be a run of the machine."""
 
 
-def columns_of(source: Any) -> dict[str, Floats]:
-    """Return the columns (S,) of a data frame, a mapping or a structured array by name.
+class ReadColumns(NamedTuple):
+    """Columns of a table by name.
+
+    Attributes:
+        numbers: Their values (S,).
+        unread: What is wrong with those that hold no numbers.
+    """
+
+    numbers: dict[str, Floats]
+    unread: dict[str, str]
+
+
+def columns_of(source: Any) -> ReadColumns:
+    """Return the columns of a data frame, a mapping or a structured array.
 
     A frame's index is among them where it is the time or speed. Raises WrongRun.
     """
@@ -43,17 +61,20 @@ def columns_of(source: Any) -> dict[str, Floats]:
     if len(names) == 1 and (sign := separator_of(names[0])) != ",":
         raise WrongRun(f"the table has a single column, whose cells {sign!r} separates: read it with sep={sign!r}")
     require_different(names)
-    columns = {name: _numbers(name, source[key]) for name, key in zip(names, given, strict=True)}
+    columns: dict[str, Floats] = {}
+    unread: dict[str, str] = {}
+    for name, key in zip(names, given, strict=True):
+        try:
+            columns[name] = _numbers(name, source[key])
+        except WrongRun as error:  # raised where it is a column of the run
+            unread[name] = str(error)
     columns |= dict(_of_index(getattr(source, "index", None), names))
+    if not columns and unread:
+        raise WrongRun(next(iter(unread.values())))
     if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
         raise WrongRun("the run has no samples: each column must hold at least one number")
     require_equal_length(columns)
-    return columns
-
-
-def separator_of(header: str) -> str:
-    """Return what separates the names in a header line: commas, or where there are none semicolons or tabs."""
-    return next((sign for sign in OTHER_SEPARATORS if sign in header and "," not in header), ",")
+    return ReadColumns(columns, unread)
 
 
 def require_equal_length(columns: Mapping[str, Floats]) -> None:
@@ -72,6 +93,8 @@ def known_name(name: str) -> str:
     small = plain.lower()
     if small in (*SPEED_COLUMNS, *TIME_COLUMNS):
         return small
+    if TIME_IN_SECONDS.fullmatch(small):
+        return TIME_COLUMNS[1]
     end = next((one for one in (*AMPLITUDE_ENDS, *PHASE_ENDS, GAP_END) if small.endswith(one)), "")
     return plain[: len(plain) - len(end)] + end
 
@@ -112,15 +135,34 @@ def _numbers(name: str, values: Any) -> Floats:
     blank = values.isna() if hasattr(values, "isna") else [None] * len(values)
     found = np.full(len(values), np.nan)
     for number, (value, missing) in enumerate(zip(values, blank, strict=True)):
-        if missing or value is None or (isinstance(value, str) and not value.strip()):
+        if missing or _is_blank(value):
             continue
         try:
             if isinstance(value, bool | np.bool_):
                 raise TypeError
             found[number] = float(value)
         except (TypeError, ValueError):
-            right = ": write numbers with a decimal point" if "," in str(value) else ""
+            if name in TIME_COLUMNS and not np.isfinite(found).any() and moment_of(value) is not None:
+                return _seconds_of_dates(name, values, blank)
+            right = number_hint(str(value))
             if name in TIME_COLUMNS and not right:
-                right = ": write seconds since the start, or give a data frame with dates"
+                right = f": write seconds since the start, or dates and times such as {EXAMPLE}"
             raise WrongRun(f"column '{name}', row {number + 1}: '{value!s:.40}' is not a number{right}") from None
     return found
+
+
+def _is_blank(value: Any) -> bool:
+    return value is None or (isinstance(value, str) and not value.strip())
+
+
+def _seconds_of_dates(name: str, values: Any, blank: Sequence[bool | None]) -> Floats:
+    """Return the seconds since the first of dates and times, NaN for blanks. Raises WrongRun."""
+    moments: list[datetime | None] = []
+    for number, (value, missing) in enumerate(zip(values, blank, strict=True)):
+        moments.append(None if missing or _is_blank(value) else moment_of(value))
+        if moments[-1] is None and not (missing or _is_blank(value)):
+            raise WrongRun(f"column '{name}', row {number + 1}: '{value!s:.40}' is no date and time such as {EXAMPLE}")
+    try:
+        return np.array(seconds_since_first(moments), dtype=float)
+    except ValueError as error:
+        raise WrongRun(f"column '{name}': {error}") from None

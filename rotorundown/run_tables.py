@@ -1,34 +1,22 @@
 """Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
 
-import csv
-import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from msgspec import Struct
 
 from estimator.arrays import Floats
-from estimator.close_matches import close_names, did_you_mean
+from estimator.close_matches import MOST_MATCHES, close_names, did_you_mean
 from estimator.machine.document import Machine
 from estimator.machine.speed_units import NAMES
-from estimator.unit_names import declared_unit, unknown_unit
-from estimator.units import (
-    METRES,
-    RAD_PER_S,
-    AmplitudeKind,
-    AmplitudeUnit,
-    PhaseConvention,
-    PhaseUnit,
-    SpeedUnit,
-    rad_per_s_to_rpm,
-)
-from formats.files.like_named_files import like_named
-from formats.recordings.empty_table import empty_table_text
-from formats.recordings.exported_table import decimal_points, decoded, no_text
+from estimator.units import METRES, RAD_PER_S, AmplitudeUnit, PhaseUnit, SpeedUnit, rad_per_s_to_rpm
+from formats.files.document_files import UnreadableFile
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
+from formats.recordings.plain_table import read_plain_table
+from formats.recordings.run_times import doubted_times, wrong_times
 from formats.recordings.standstill import at_standstill, standstill_words
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
@@ -42,21 +30,15 @@ from rotorundown.run_columns import (
     is_known_name,
     known_name,
     require_different,
-    separator_of,
 )
+from rotorundown.run_units import TableUnits, standard_names
 from storage.clock import now
 from storage.encoding.sample_blocks import Samples
 
 FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
 """Columns whose names give the unit of the speed."""
-UNIT_OPTIONS = {
-    "speed_unit": SpeedUnit,
-    "amplitude_unit": AmplitudeUnit,
-    "amplitude_kind": AmplitudeKind,
-    "phase_convention": PhaseConvention,
-    "phase_unit": PhaseUnit,
-}
-"""Units of a table, as `read_run` takes them."""
+LIKE_TIMES = ("timestamp", "datetime", "date_time", "date time", "date", "seconds", "t")
+"""Names of columns, in small letters, that seem to hold times."""
 BEGINNING_NS = 946_771_200_000_000_000
 """Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
 MOST_LISTED = 12
@@ -71,45 +53,26 @@ FEWEST_BELOW_OVERSPEED = 0.5
 """Share of the speeds within the machine's range or somewhat above it below which another unit is likely [-]."""
 
 
-class TableUnits(Struct, frozen=True):
-    """Units of a table's columns. phase_is_stated: whether somebody has said the phases' unit, which is then believed."""
-
-    speed: SpeedUnit = "rpm"
-    amplitude: AmplitudeUnit = "um"
-    kind: AmplitudeKind = "peak-to-peak"
-    convention: PhaseConvention = "lag"
-    phase: PhaseUnit = "deg"
-    phase_is_stated: bool = False
-
-    @classmethod
-    def named(cls, *, phase_unit: str | None, **given: str) -> "TableUnits":
-        """Return units by the names that people give them, as `read_run` takes them. Raises WrongRun for what is none."""
-        meant: dict[str, Any] = {}
-        for option, unit in {**given, "phase_unit": phase_unit or "deg"}.items():
-            known = get_args(UNIT_OPTIONS[option])
-            meant[option] = declared_unit(option, unit)
-            if meant[option] not in known:
-                raise WrongRun(f"{option} {unknown_unit(option, unit, known)}")
-        speed, amplitude, kind, convention, phase = (meant[option] for option in UNIT_OPTIONS)
-        return cls(speed, amplitude, kind, convention, phase, phase_unit is not None)
-
-    @property
-    def words(self) -> str:
-        """Return the units in words."""
-        amplitude = "µm" if self.amplitude == "um" else self.amplitude
-        phase = {"deg": "degrees", "rad": "radians"}[self.phase]
-        return f"{NAMES[self.speed]}, {amplitude} {self.kind}, phase {self.convention} in {phase}"
-
-
 class RunTable(Struct, frozen=True, eq=False):
-    """Columns (S,) of a run by name."""
+    """Columns (S,) of a run by name, and what is wrong with those that hold no numbers."""
 
     columns: Mapping[str, Floats]
+    unread: Mapping[str, str] = {}
 
     @classmethod
     def of(cls, source: Any) -> "RunTable":
         """Return the columns of a data frame or a mapping. Raises WrongRun."""
-        return cls(columns_of(source))
+        return cls(*columns_of(source))
+
+    def named(self, machine: Machine, units: TableUnits) -> "RunTable":
+        """Return the table with its columns under their standard names. Raises WrongRun where one has no numbers."""
+        names = standard_names([*self.columns, *self.unread], machine.channels, units)
+        of_run = {*SPEED_COLUMNS, *TIME_COLUMNS}
+        of_run |= {f"{one}{end}" for one in machine.channels for end in (*AMPLITUDE_ENDS, *PHASE_ENDS, GAP_END)}
+        wrong = next((words for header, words in self.unread.items() if names[header] in of_run), None)
+        if wrong is not None:
+            raise WrongRun(wrong)
+        return RunTable({names[header]: column for header, column in self.columns.items()}, self.unread)
 
     @property
     def time(self) -> Floats | None:
@@ -123,13 +86,7 @@ class RunTable(Struct, frozen=True, eq=False):
             raise WrongRun(f"column '{speed_column}' is in {FIXED_UNITS[speed_column]}, but speed_unit says {units.speed}")
         speed = self.columns[speed_column]
         _require_speed_unit(machine, speed, units)
-        channels = [one for one in machine.channels if any(f"{one}{end}" in self.columns for end in AMPLITUDE_ENDS)]
-        if not channels:
-            wanted = " or ".join(f"{machine.channels[0]}{end}" for end in AMPLITUDE_ENDS)
-            raise WrongRun(
-                f"no column holds an amplitude of a channel of '{machine.id}' ({', '.join(machine.channels)}): "
-                f"name it such as {wanted}; there are {_first_names(self.columns)}"
-            )
+        channels = self._channels(machine)
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
         phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
         _require_positive(channels, amplitude)
@@ -161,6 +118,7 @@ class RunTable(Struct, frozen=True, eq=False):
         samples, taken, faults = to_samples(batch, machine, received_at=now())
         still = at_standstill(samples.speed, taken)
         taken = taken & ~still
+        doubts += [] if self.time is None else doubted_times(seconds)
         doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
         rows = [fault.of_row(kept=bool(taken[fault.index])) for fault in faults if not still[fault.index]]
         rejected = (f"{name}, {words}" for words in (*rows, *standstill_words(still)))
@@ -168,6 +126,20 @@ class RunTable(Struct, frozen=True, eq=False):
         if not np.any(taken):
             raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")
         return samples.pick(taken), left_out
+
+    def _channels(self, machine: Machine) -> list[str]:
+        """Return the channels whose amplitudes the table has. Raises WrongRun where there are none."""
+        channels = [one for one in machine.channels if any(f"{one}{end}" in self.columns for end in AMPLITUDE_ENDS)]
+        if channels:
+            return channels
+        wanted = " or ".join(f"{machine.channels[0]}{end}" for end in AMPLITUDE_ENDS)
+        begun = tuple(one.casefold() for one in machine.channels)
+        like = [one for one in self.columns if one.casefold().startswith(begun) and not is_known_name(one)]
+        asked = f"; does {' or '.join(map(repr, like[:MOST_MATCHES]))} hold one?" if like else ""
+        raise WrongRun(
+            f"no column holds an amplitude of a channel of '{machine.id}' ({', '.join(machine.channels)}): "
+            f"name it such as {wanted}; there are {_first_names(self.columns)}{asked}"
+        )
 
     def _gaps(self, channels: Sequence[str]) -> Floats | None:
         """Return the gaps (S, m) [µm] of channels, NaN where there are none; None where no column holds any."""
@@ -178,16 +150,24 @@ class RunTable(Struct, frozen=True, eq=False):
         return np.column_stack([self.columns.get(one, none) for one in names])
 
     def _foreign(self, machine: Machine, name: str) -> Iterator[str]:
-        """Name columns of amplitudes and gaps of no channel, gaps under other names, and phases without amplitudes."""
-        for column in self.columns:
+        """Name columns of no channel, gaps under other names, and phases without amplitudes."""
+        others = []
+        for column in (*self.columns, *self.unread):
             if (of := _other_gap(column, machine)) is not None:
                 yield f"{name}, column '{column}' left out: give gaps in µm, in a column '{of}{GAP_END}'"
                 continue
             end = next((one for one in (*AMPLITUDE_ENDS, GAP_END) if column.endswith(one)), None)
             channel = "" if end is None else column.removesuffix(end)
-            if channel and channel not in machine.channels:
+            if not is_known_name(column):
+                others.append(column)
+            elif channel and channel not in machine.channels:
                 close = did_you_mean(channel, machine.channels)
                 yield f"{name}, column '{column}' left out: '{channel}' is no channel of '{machine.id}'{close}"
+        if others:
+            many = "s" if len(others) > 1 else ""
+            times = [one for one in others if self.time is None and known_name(one).casefold() in LIKE_TIMES]
+            asked = f"; name '{times[0]}' time where it holds those of the samples" if times else ""
+            yield f"{name}, column{many} {_first_names(map(repr, others))} left out: of no channel of '{machine.id}'{asked}"
         for channel, end in product(machine.channels, PHASE_ENDS):
             wanted = [f"{channel}{one}" for one in AMPLITUDE_ENDS]
             if f"{channel}{end}" in self.columns and not any(one in self.columns for one in wanted):
@@ -222,25 +202,11 @@ def read_csv_table(path: Path) -> RunTable:
     Raises WrongRun.
     """
     try:
-        text = decoded(path.read_bytes())
-        separator = separator_of(text.partition("\n")[0])
-        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True))
-    except UnicodeDecodeError:
-        raise WrongRun(no_text(path)) from None
-    except (OSError, csv.Error) as error:
-        raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}{like_named(path)}") from None
-    if not any(rows[:1]) or not any(rows[1:]):
-        raise WrongRun(empty_table_text(path))
-    header, *body = rows
+        header, rows = read_plain_table(path)
+    except UnreadableFile as error:
+        raise WrongRun(str(error)) from None
     require_different([known_name(name) for name in header])
-    for line, row in enumerate(body, start=2):
-        if row and len(row) != len(header):
-            raise WrongRun(
-                f"{path}, line {line} has {len(row)} cells, its header {len(header)}; where numbers have a decimal comma, "
-                "write a point, or separate columns by semicolons"
-            )
-    point = decimal_points(separator)
-    return RunTable.of({name: [point(row[i].strip()) for row in body if row] for i, name in enumerate(header)})
+    return RunTable.of(dict(zip(header, map(list, zip(*rows, strict=True)), strict=True)))
 
 
 def _first_names(columns: Iterable[str]) -> str:
@@ -253,6 +219,8 @@ def _first_names(columns: Iterable[str]) -> str:
 def _seconds(values: Floats) -> Floats:
     if not np.all(np.isfinite(values)):
         raise WrongRun(f"the time has no number in row {int(np.argmin(np.isfinite(values))) + 1}")
+    if wrong := wrong_times(values):
+        raise WrongRun(wrong)
     return values
 
 

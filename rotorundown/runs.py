@@ -28,7 +28,8 @@ from formats.wire import Rejected, as_sent
 from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_columns import GAP_END, WrongRun
-from rotorundown.run_tables import UNIT_OPTIONS, RunTable, TableUnits, read_csv_table
+from rotorundown.run_tables import RunTable, read_csv_table
+from rotorundown.run_units import UNIT_OPTIONS, TableUnits
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
 
@@ -207,6 +208,7 @@ def _run_of_plain_file(path: Path, machine: Machine, units: TableUnits) -> Machi
 
 
 def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnits) -> MachineRun:
+    table = table.named(machine, units)
     try:
         samples, left_out = table.samples(machine, units, name)
     except Rejected as error:

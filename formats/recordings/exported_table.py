@@ -15,6 +15,8 @@ SEPARATORS = (",", ";", "\t")
 LONGEST_HEAD = 200
 """Most lines before the first numbers."""
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(\.\d{3})+,\d*|([ '’\u00a0\u202f]\d{3})+([.,]\d*)?|([,.]\d{3}){2,})")
+"""A number with signs between its thousands: 3,596.40 or 3.596,40, 3 596 or 1,234,567; 3,596 may be either."""
 
 ExportedRow = dict[str, str | None]
 
@@ -79,23 +81,31 @@ def is_plain(text: str) -> bool:
     lines = text.split("\n", 2)[:2]
     header, first = (next(csv.reader([line]), []) for line in [*lines, ""][:2])
     names = [name.strip() for name in header]
-    alone = len(names) > 1 and len(set(names)) == len(names) and not any(map(_is_number, names))
-    return alone and (not first or any(map(_is_number, first)))
+    alone = len(names) > 1 and len(set(names)) == len(names) and not any(map(is_number, names))
+    return alone and (not first or any(map(is_number, first)))
 
 
 def _has_numbers(cells: Sequence[str], separator: str) -> bool:
     """Return whether most of a line's cells are numbers, two at least."""
     turned = decimal_points(separator)
-    count = sum(_is_number(turned(cell)) for cell in cells)
+    count = sum(is_number(turned(cell)) for cell in cells)
     return count >= 2 and 2 * count >= len([cell for cell in cells if cell])
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Return whether a text is a number with a decimal point."""
     try:
         float(text)
     except ValueError:
         return False
     return True
+
+
+def number_hint(text: str) -> str:
+    """Return what would be right for a text that should be a number; empty where it does not look like one."""
+    if THOUSANDS.fullmatch(text.strip()):
+        return ": write numbers without signs between thousands"
+    return ": write numbers with a decimal point" if "," in text else ""
 
 
 def decimal_points(separator: str) -> Callable[[str], str]:

@@ -23,10 +23,13 @@ from estimator.units import rpm_to_rad_per_s
 from formats.files.document_files import UnreadableFile
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
+from formats.recordings.run_times import doubted_times
 from formats.recordings.standstill import at_standstill, standstill_words
 from formats.wire import Rejected, to_samples
 from storage.clock import now
 
+LOCAL_CLOCK = 14 * 3_600_000_000_000
+"""How far a table's clock that states no zone may be ahead of UTC [ns]."""
 FEWEST_PHASES = 10
 """Rows from which on phases that are all zero are taken for ones that nobody measured."""
 
@@ -89,7 +92,7 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     _require_phases(phase, file)
     doubts = _phase_doubts(phase, recording.phase_unit, file)
     try:
-        samples, taken, faults = to_samples(recording, machine, received_at=now())
+        samples, taken, faults = to_samples(recording, machine, received_at=now() + LOCAL_CLOCK)
     except Rejected as error:
         raise Rejected(error.reason, f"{file}: {error}") from None
     outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
@@ -106,6 +109,8 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     recorded = run.recorded(machine.channels)
     if circumstances.kind == "dwells":
         recorded = replace(recorded, time=None)  # no sweep has gone through them
+    else:
+        doubts += [f"{file}: {one}" for one in doubted_times((samples.time - samples.time[0]) * 1e-9)]
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
     words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults if not still[fault.index]]
     words += [*(f"{file}, {one}" for one in standstill_words(still)), *([f"{file}: {outside}"] if outside else []), *doubts]

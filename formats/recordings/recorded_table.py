@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,10 @@ from msgspec import Struct
 
 from formats.files.document_files import UnreadableFile
 from formats.recordings.empty_table import empty_table_text
-from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_plain, no_text
+from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_number, is_plain, no_text, number_hint
 from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
+from formats.recordings.run_times import EXAMPLE, moment_of
 
 
 class MissingColumn(UnreadableFile):
@@ -68,6 +70,20 @@ class RecordedTable(Struct, frozen=True):
             raise UnreadableFile(f"{self.path}, {self.places[found.index('')]}: column '{name}' has no value")
         return found
 
+    def moments(self, name: str) -> list[datetime]:
+        """Return the dates and times of a column in ISO 8601; none where it begins with a number. Raises UnreadableFile."""
+        texts = self.words(name)
+        if is_number(texts[0]):
+            return []
+        found = [moment_of(text) for text in texts]
+        if None in found:
+            row = found.index(None)
+            raise UnreadableFile(
+                f"{self.path}, {self.places[row]}: '{texts[row]}' in column '{name}' is no time: write seconds since the "
+                f"start, or dates and times such as {EXAMPLE}"
+            )
+        return [one for one in found if one is not None]
+
     def _cells(self, name: str) -> list[str | None]:
         if name in self.unusable:
             raise UnreadableFile(f"{self.path}: column '{name}' {self.unusable[name]}")
@@ -86,9 +102,8 @@ class RecordedTable(Struct, frozen=True):
         try:
             return float(text)
         except ValueError:
-            right = ": write numbers with a decimal point" if "," in text else ""
             raise UnreadableFile(
-                f"{self.path}, {self.places[row]}: '{text}' in column '{name}' is not a number{right}"
+                f"{self.path}, {self.places[row]}: '{text}' in column '{name}' is not a number{number_hint(text)}"
             ) from None
 
 

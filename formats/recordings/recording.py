@@ -26,6 +26,7 @@ from formats.files.document_files import UnreadableFile, read_yaml
 from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text, is_blank
 from formats.recordings.recorded_table import MissingColumn, RecordedTable
+from formats.recordings.run_times import seconds_since_first, wrong_times
 from formats.recordings.sidecar_place import sidecar_of
 from formats.recordings.trial_weights import EXAMPLE, TrialWeight, require_likely_columns
 from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
@@ -100,7 +101,7 @@ class Sidecar(BaseModel):
         default="sweep", description="a run-up or run-down, or rows that each were taken at a constant speed"
     )
     start: datetime = Field(default=UNSTATED_START, description="time of the first row")
-    time: str | None = Field(default=None, description="column with seconds since the start")
+    time: str | None = Field(default=None, description="column with seconds since the start, or with dates and times")
     interval_s: Positive | None = Field(default=None, description="time between rows, where there is no such column")
     speed: str = Field(description="column")
     speed_unit: str
@@ -167,7 +168,6 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     sidecar = _sidecar_of(path, sidecar_path)
     table = RecordedTable.read(path)
     speed = _speed(table, sidecar)
-    start = from_datetime(sidecar.start)
     turn = 1.0 if sidecar.phase_unit == "rad" else RADIANS["deg"]
     return SampleBatch(
         schema=WIRE_SCHEMA,
@@ -183,7 +183,7 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         phase_convention=sidecar.phase_convention,
         phase_unit=sidecar.phase_unit,
         direction=sidecar.direction,
-        time_ns=[start + round(s * 1e9) for s in _seconds(path, table, sidecar, len(speed))],
+        time_ns=_times(path, table, sidecar, len(speed)),
         speed=speed,
         amplitude=_rows(_amplitude(table, channel) for channel in sidecar.channels),
         phase=_rows(_phase(table, channel, turn) for channel in sidecar.channels),
@@ -196,8 +196,11 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
 
 
 def states_start(path: Path, sidecar_path: Path | None = None) -> bool:
-    """Return whether a recording's sidecar says when it was taken. Raises UnreadableFile."""
-    return "start" in _sidecar_of(path, sidecar_path).model_fields_set
+    """Return whether a recording's sidecar, or its own times, say when it was taken. Raises UnreadableFile."""
+    sidecar = _sidecar_of(path, sidecar_path)
+    if "start" in sidecar.model_fields_set or sidecar.time is None:
+        return "start" in sidecar.model_fields_set
+    return bool(RecordedTable.read(path).moments(sidecar.time))
 
 
 def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
@@ -221,15 +224,29 @@ def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
     return sidecar
 
 
-def _seconds(path: Path, table: RecordedTable, sidecar: Sidecar, count: int) -> list[float]:
-    """Return the times of `count` rows since the start [s]. Raises UnreadableFile."""
+def _times(path: Path, table: RecordedTable, sidecar: Sidecar, count: int) -> list[int]:
+    """Return the times of `count` rows [ns]. Raises UnreadableFile."""
+    start = from_datetime(sidecar.start)
     if sidecar.time is None:
         interval = sidecar.interval_s or 1.0  # rows of dwells stand in no order of time
-        return [i * interval for i in range(count)]
-    seconds = table.column(sidecar.time)
+        return [start + round(i * interval * 1e9) for i in range(count)]
+    moments = table.moments(sidecar.time)
+    if moments and "start" not in sidecar.model_fields_set:
+        start = from_datetime(moments[0])
+    seconds = _since_first(moments, f"{path}, column '{sidecar.time}'") if moments else table.column(sidecar.time)
     if not all(abs(s) < LONGEST_S for s in seconds):
         raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
-    return seconds
+    if sidecar.kind == "sweep" and (wrong := wrong_times(np.array(seconds))):
+        raise UnreadableFile(f"{path}, column '{sidecar.time}': {wrong}")
+    return [start + round(s * 1e9) for s in seconds]
+
+
+def _since_first(moments: list[datetime], where: str) -> list[float]:
+    """Return the seconds from the first moment to each. Raises UnreadableFile."""
+    try:
+        return [one or 0.0 for one in seconds_since_first(moments)]
+    except ValueError as error:
+        raise UnreadableFile(f"{where}: {error}") from None
 
 
 def _optional(table: RecordedTable, columns: list[str | None], count: int) -> list[list[float | None]] | None:

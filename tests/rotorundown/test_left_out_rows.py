@@ -65,3 +65,37 @@ def test_commands_say_that_rows_at_standstill_are_left_out(
     ended = CliRunner().invoke(app, ["identify", str(PUMP), str(file)])
     assert ended.exit_code == 0, ended.output
     assert f"row {len(run) + 1} {STILL}" in ended.stderr
+
+
+def test_columns_of_no_channel_are_left_out_of_a_table(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    frame = run.to_frame().assign(comment="ok", bearing_temperature=61.5)
+    words = "columns 'bearing_temperature', 'comment' left out: of no channel of 'motor-pump'"
+    assert rd.read_run(frame, machine=pump).left_out == (f"run, {words}",)
+    file = tmp_path / "run.csv"
+    frame.to_csv(file, index=False)
+    assert rd.read_run(file, machine=pump).left_out == (f"run.csv, {words}",)
+    ended = CliRunner().invoke(app, ["identify", str(PUMP), str(file)])
+    assert (ended.exit_code, f"run.csv, {words}" in ended.stderr) == (0, True)
+
+
+def test_a_column_that_seems_to_hold_the_times_is_asked_for(pump: Machine, run: rd.MachineRun) -> None:
+    frame = run.to_frame()
+    stamped = frame.drop(columns="time_s").assign(Timestamp="2026-11-27 04:00:00")
+    (said,) = rd.read_run(stamped, machine=pump).left_out
+    assert said.endswith("of no channel of 'motor-pump'; name 'Timestamp' time where it holds those of the samples")
+    (said,) = rd.read_run(frame.assign(Timestamp="2026-11-27 04:00:00"), machine=pump).left_out
+    assert said.endswith("of no channel of 'motor-pump'")
+
+
+def test_times_that_are_doubted_are_told(pump: Machine, run: rd.MachineRun) -> None:
+    frame = run.to_frame()
+    slow = frame.assign(time_s=1000.0 * np.arange(len(frame)))
+    (said,) = rd.read_run(slow, machine=pump).left_out
+    assert said.startswith("run, the run lasts ")
+    assert said.endswith(" h: are its times in milliseconds? Write seconds")
+    back = frame.assign(time_s=np.arange(len(frame), dtype=float))
+    back.loc[[4, 5], "time_s"] = [5.0, 4.0]
+    (said,) = rd.read_run(back, machine=pump).left_out
+    assert said == "run, the times go back 1 time, first from row 5 to row 6, from 5 s to 4 s: are the rows in order of time?"
+    equal = frame.assign(time_s=np.arange(len(frame)) // 2)
+    assert rd.read_run(equal, machine=pump).left_out == ()

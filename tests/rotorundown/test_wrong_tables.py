@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,11 @@ def test_a_column_of_no_channel_is_left_out_and_named(pump: Machine, run: rd.Mac
     read = rd.read_run(frame.assign(B9L_um_pp=frame["B1L_um_pp"]), machine=pump)
     (said,) = read.left_out
     assert "column 'B9L_um_pp' left out: 'B9L' is no channel of 'motor-pump'; did you mean" in said
+
+
+def dates(count: int) -> list[str]:
+    """Return moments two seconds apart in ISO 8601."""
+    return [one.isoformat() for one in pd.date_range("2026-11-27 04:00:00", periods=count, freq="2s")]
 
 
 MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
@@ -41,22 +47,62 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         "the speed has no number in row 3: leave such rows out",
     ),
     "units in names": (
-        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [RPM]"}),
+        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [x]"}),
         {},
-        "name it speed or speed_rpm or rpm; there are Speed [RPM]",
+        "name it speed or speed_rpm or rpm; there are Speed [x]",
     ),
     "a speed under another name": (
-        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [RPM]"}),
+        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [x]"}),
         {},
-        "does 'Speed [RPM]' hold it?",
+        "does 'Speed [x]' hold it?",
     ),
     "one column alone": (lambda frame, _: frame["speed_rpm"], {}, "a data frame or a mapping of columns, not Series"),
     "numbers for columns": (lambda _f, _: {"speed_rpm": 1.0}, {}, "column 'speed_rpm' is a float: give a list of numbers"),
     "truth values": (lambda frame, _: frame.assign(B1L_um_pp=True), {}, "column 'B1L_um_pp', row 1: 'True' is not a number"),
-    "dates as text": (
+    "times of day": (
+        lambda frame, _: frame.assign(time="04:00:00 PM"),
+        {},
+        "row 1: '04:00:00 PM' is not a number: write seconds since the start, or dates and times such as 2025-01-01 00:00:00",
+    ),
+    "a date among others that is none": (
+        lambda frame, _: frame.assign(time=["2026-11-27 04:00:00", "soon", *dates(len(frame))[2:]]),
+        {},
+        "column 'time', row 2: 'soon' is no date and time such as 2025-01-01 00:00:00",
+    ),
+    "a time zone in some rows": (
+        lambda frame, _: frame.assign(time=["2026-11-27 04:00:00Z", *dates(len(frame))[1:]]),
+        {},
+        "column 'time': '2026-11-27 04:00:00+00:00' has a time zone and '2026-11-27 04:00:02' has none: write it in all",
+    ),
+    "one time throughout": (
         lambda frame, _: frame.assign(time="2026-11-27 04:00:00"),
         {},
-        "'2026-11-27 04:00:00' is not a number: write seconds since the start, or give a data frame with dates",
+        "all times are the same, 0 s: give those of the samples, or leave the column out",
+    ),
+    "times that go backwards": (
+        lambda frame, _: frame.assign(time=3.0 * np.arange(len(frame))[::-1]),
+        {},
+        "s in row 2: put the rows in order of time, or leave the column out",
+    ),
+    "another unit in brackets": (
+        lambda frame, _: frame.rename(columns={"B1L_um_pp": "B1L Amplitude (mil pp)"}),
+        {},
+        "column 'B1L Amplitude (mil pp)' is in mil, but amplitude_unit says um",
+    ),
+    "one column in two letter cases": (
+        lambda frame, _: frame.assign(b1l_um_pp=1.0),
+        {},
+        "columns 'B1L_um_pp' and 'b1l_um_pp' are both 'B1L_um_pp': which one counts?",
+    ),
+    "amplitudes under other names": (
+        lambda frame, _: frame.rename(columns=lambda name: name.replace("_um_pp", " displ")),
+        {},
+        "; does 'B1L displ' or 'B1R displ' or 'B2L displ' hold one?",
+    ),
+    "words among a channel's numbers": (
+        lambda frame, _: frame.assign(B1L_um_pp="low"),
+        {},
+        "column 'B1L_um_pp', row 1: 'low' is not a number",
     ),
     "two names of one column": (
         lambda frame, _: frame.assign(B1L_amplitude=frame["B1L_um_pp"]),
@@ -83,6 +129,14 @@ def dated(frame: Any, zone: str | None = None) -> Any:
     return frame.set_index(pd.date_range("2026-11-27", periods=len(frame), freq="2s", tz=zone))
 
 
+def spoken(name: str) -> str:
+    """Return a column's name as instruments write it."""
+    if name == "speed_rpm":
+        return "Speed [RPM]"
+    ends = {"_um_pp": " Amplitude (µm pk-pk)", "_lag_deg": " Phase [° lag]"}
+    return next(name.replace(end, words) for end, words in ends.items() if name.endswith(end))
+
+
 TAKEN: dict[str, Callable[[Any], Any]] = {
     "names in capitals with spaces": in_capitals,
     "missing values of pandas": lambda frame: frame.astype("Float64"),
@@ -91,6 +145,17 @@ TAKEN: dict[str, Callable[[Any], Any]] = {
     "dates as index": dated,
     "dates with a zone": lambda frame: dated(frame, "Europe/Berlin"),
     "dates as a column": lambda frame: dated(frame).rename_axis("time").reset_index(),
+    "dates as texts of ISO 8601": lambda frame: frame.assign(time=dates(len(frame))),
+    "dates as texts with spaces and zones": lambda frame: frame.assign(
+        time=[f"{one.replace('T', ' ')}.000+01:00" for one in dates(len(frame))]
+    ),
+    "dates as objects of Python": lambda frame: frame.assign(
+        Time=pd.Series([datetime.fromisoformat(f"{one}Z") for one in dates(len(frame))], dtype=object)
+    ),
+    "dates in a mapping": lambda frame: {**frame, "time": list(map(datetime.fromisoformat, dates(len(frame))))},
+    "times with their unit in the header": lambda frame: frame.assign(**{"Time [s]": 2.0 * np.arange(len(frame))}),
+    "names in small letters": lambda frame: frame.rename(columns=str.lower),
+    "units in brackets": lambda frame: frame.rename(columns=spoken),
     "durations as index": lambda frame: frame.set_index(pd.timedelta_range(0, periods=len(frame), freq="2s")),
     "the time as index": lambda frame: frame.set_index(pd.Index(2.0 * np.arange(len(frame)), name="time_s")),
 }
@@ -102,6 +167,7 @@ def test_a_frame_is_taken_as_people_have_it(pump: Machine, run: rd.MachineRun, n
     assert read.speed_rpm == pytest.approx(run.speed_rpm, rel=1e-4)
     assert read.amplitude_um_pp == pytest.approx(run.amplitude_um_pp, rel=2e-3)
     assert (read.recorded.time is not None) is any(word in name for word in ("dates", "durations", "time"))
+    assert read.left_out == ()
     if read.recorded.time is not None:
         assert read.interval_s == pytest.approx(2.0)
 

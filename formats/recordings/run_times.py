@@ -1,0 +1,65 @@
+"""Times of a table's rows: dates and times of ISO 8601 as moments, and times that no run has."""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+
+from estimator.arrays import Floats
+
+EXAMPLE = "2025-01-01 00:00:00"
+"""A moment as ISO 8601 has it."""
+LONGEST_LIKELY_S = 6.0 * 3600.0
+"""Duration of a run-up or run-down from which on its unit is asked for [s]."""
+
+
+def moment_of(value: object) -> datetime | None:
+    """Return the moment that a date and time, or its text in ISO 8601, stands for; None for anything else."""
+    if isinstance(value, datetime):
+        return value if value == value else None  # pandas' missing one is a datetime, too
+    try:
+        return datetime.fromisoformat(value.strip()) if isinstance(value, str) else None
+    except ValueError:
+        return None
+
+
+def seconds_since_first(moments: Sequence[datetime | None]) -> list[float | None]:
+    """Return the seconds from the first moment to each. Raises ValueError where only some have a time zone."""
+    known = [one for one in moments if one is not None]
+    zoned = [one.utcoffset() is not None for one in known]
+    if any(zoned) and not all(zoned):
+        with_zone, without = known[zoned.index(True)], known[zoned.index(False)]
+        raise ValueError(f"'{with_zone}' has a time zone and '{without}' has none: write it in all rows or none")
+    same = [None if one is None else (one.astimezone(UTC) if zoned[0] else one.replace(tzinfo=UTC)) for one in moments]
+    first = next((one for one in same if one is not None), None)
+    return [None if one is None or first is None else (one - first).total_seconds() for one in same]
+
+
+def wrong_times(seconds: Floats) -> str:
+    """Return why times (S,) [s] cannot be those of a run, and what would be right; empty where they can."""
+    if seconds.size < 2:
+        return ""
+    steps = np.diff(seconds)
+    if not np.any(steps):
+        return f"all times are the same, {seconds[0]:g} s: give those of the samples, or leave the column out"
+    if seconds[-1] <= seconds[0] or np.mean(steps < 0.0) > np.mean(steps > 0.0):
+        row = int(np.argmax(steps < 0.0))
+        return (
+            f"the times go backwards, as from {seconds[row]:g} s in row {row + 1} to {seconds[row + 1]:g} s in row {row + 2}: "
+            "put the rows in order of time, or leave the column out"
+        )
+    return ""
+
+
+def doubted_times(seconds: Floats) -> list[str]:
+    """Return what is doubted of times (S,) [s] that can be those of a run, in words."""
+    doubts = []
+    back = np.flatnonzero(np.diff(seconds) < 0.0)
+    if back.size:
+        row = int(back[0])
+        told = f"the times go back {back.size} time{'' if back.size == 1 else 's'}, first from row {row + 1} to row {row + 2}"
+        doubts.append(f"{told}, from {seconds[row]:g} s to {seconds[row + 1]:g} s: are the rows in order of time?")
+    span = float(np.ptp(seconds)) if seconds.size else 0.0
+    if span > LONGEST_LIKELY_S:
+        doubts.append(f"the run lasts {span / 3600.0:.3g} h: are its times in milliseconds? Write seconds")
+    return doubts
