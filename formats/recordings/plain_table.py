@@ -107,7 +107,7 @@ def _require_whole(path: Path, first: int, header: Sequence[str], body: Sequence
         return
     line, cells = wrong
     usual = Counter(len(one) for _, one in body).most_common(1)[0][0]
-    told = f"{path}, line {line} has {len(cells)} cells, its header {len(header)}"
+    told = f"{path}, line {line} has {len(cells)} cell{'' if len(cells) == 1 else 's'}, its header {len(header)}"
     if len(header) < 3 <= usual:
         raise UnreadableFile(
             f"{path}, line {first} is no header: '{' '.join(header):.{MOST_SHOWN}}' has {len(header)} cells, the lines below "

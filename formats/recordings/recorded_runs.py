@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.calibration.likely_weights import UnlikelyWeight, require_likely_weights
+from estimator.close_matches import did_you_mean
 from estimator.machine.document import Machine
 from estimator.machine.speed_units import outside_speed_range
 from estimator.phasors.measurement import Measurement, joined
@@ -25,7 +26,7 @@ from formats.recordings.phase_units import contradicted_phase_unit, is_possible_
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
 from formats.recordings.run_times import doubted_times
 from formats.recordings.standstill import at_standstill, standstill_words
-from formats.wire import Rejected, to_samples
+from formats.wire import Rejected, SampleBatch, to_samples
 from storage.clock import now
 
 LOCAL_CLOCK = 14 * 3_600_000_000_000
@@ -88,6 +89,7 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     recording = read_recording(file, sidecar)
     if recording.machine != machine.id:
         raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
+    recording = _of_channels(recording, machine, file)
     phase = np.array(recording.phase, dtype=float)
     _require_phases(phase, file)
     doubts = _phase_doubts(phase, recording.phase_unit, file)
@@ -110,11 +112,30 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     if circumstances.kind == "dwells":
         recorded = replace(recorded, time=None)  # no sweep has gone through them
     else:
+        unnamed = ", ".join(map(repr, circumstances.unnamed))
+        doubts += [f"{file}, left out: {unnamed}, which hold words and which its sidecar does not name"] if unnamed else []
         doubts += [f"{file}: {one}" for one in doubted_times((samples.time - samples.time[0]) * 1e-9)]
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
     words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults if not still[fault.index]]
     words += [*(f"{file}, {one}" for one in standstill_words(still)), *([f"{file}: {outside}"] if outside else []), *doubts]
     return _ReadRun(recorded, measurement, circumstances, taken, words)
+
+
+def _of_channels(recording: SampleBatch, machine: Machine, file: Path) -> SampleBatch:
+    """Return a recording with channels as the document writes them. Raises Rejected for one that the machine has not."""
+    folded = [one.casefold() for one in machine.channels]
+    known = {plain: one for plain, one in zip(folded, machine.channels, strict=True) if folded.count(plain) == 1}
+    channels = [one if one in machine.channels else known.get(one.casefold(), one) for one in recording.channels]
+    unknown = next((one for one in channels if one not in machine.channels), None)
+    if unknown is not None and (close := did_you_mean(unknown, machine.channels)):
+        known_ids = ", ".join(machine.channels)
+        raise Rejected(
+            "unknown_channel", f"{file}: machine '{machine.id}' has no channel {unknown}; it has {known_ids}{close}"
+        )
+    twice = next((one for one in channels if channels.count(one) > 1), None)
+    if twice is not None:
+        raise UnreadableFile(f"{file}: its sidecar lists channel {twice} twice, in capitals and in small letters")
+    return replace(recording, channels=channels)
 
 
 def _require_phases(phase: Floats, file: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from msgspec import Struct
 
+from estimator.close_matches import did_you_mean
 from formats.files.document_files import UnreadableFile
 from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_number, is_plain, no_text, number_hint
@@ -84,13 +85,19 @@ class RecordedTable(Struct, frozen=True):
             )
         return [one for one in found if one is not None]
 
+    def columns_of_words(self) -> list[str]:
+        """Return the columns whose first text is no number."""
+        first = ((name, next((text for row in self.rows if (text := row[name])), "0")) for name in filter(None, self.rows[0]))
+        return [name for name, text in first if not is_number(text)]
+
     def _cells(self, name: str) -> list[str | None]:
         if name in self.unusable:
             raise UnreadableFile(f"{self.path}: column '{name}' {self.unusable[name]}")
         if f"{name}#1" in self.rows[0]:
             raise UnreadableFile(f"{self.path}: column '{name}' is there more than once: name '{name}#1', '{name}#2', …")
         if name not in self.rows[0]:
-            raise MissingColumn(f"{self.path} has no column '{name}'; it has {', '.join(filter(None, self.rows[0]))}")
+            known = list(filter(None, self.rows[0]))
+            raise MissingColumn(f"{self.path} has no column '{name}'; it has {', '.join(known)}{did_you_mean(name, known)}")
         return [row[name] for row in self.rows]
 
     def _number(self, row: int, name: str, text: str | None) -> float | None:
@@ -110,7 +117,7 @@ class RecordedTable(Struct, frozen=True):
 def _rows(text: str) -> list[tuple[int, ExportedRow]]:
     """Return the rows of a table, as other programs export it or plain, each with the number of its line."""
     rows = [] if is_plain(text) else exported_rows(text)
-    return rows or _plain_rows(text)
+    return rows or _plain_rows(text.removeprefix("# "))  # behind which numpy writes its header
 
 
 def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:

@@ -158,6 +158,14 @@ class Sidecar(BaseModel):
         return self
 
     @property
+    def columns(self) -> set[str]:
+        """Return the columns that it names."""
+        own = (self.time, self.speed, self.mounting, *self.conditions.values())
+        of_channels = (one for part in self.channels for one in part.model_dump(exclude={"channel"}).values())
+        of_weights = (one for part in self.trial_weights.values() for one in (part.amount, part.angle_deg))
+        return {one for one in (*own, *of_channels, *of_weights) if isinstance(one, str)}
+
+    @property
     def trial_weights(self) -> dict[str, TrialWeight]:
         """Return the trial weights that were on by disc."""
         return {} if self.added_unbalance in (None, "none") else dict(self.added_unbalance)  # type: ignore[arg-type]
@@ -384,8 +392,9 @@ def _speed(table: RecordedTable, sidecar: Sidecar) -> list[float]:
     try:
         return table.column(sidecar.speed)
     except MissingColumn as error:
+        which = f"{error} A" if str(error).endswith("?") else f"{error}: a"
         raise UnreadableFile(
-            f"{error}: a run is nothing without the keyphasor's speed; export it, too, or name its column as `speed` in the "
+            f"{which} run is nothing without the keyphasor's speed; export it, too, or name its column as `speed` in the "
             "sidecar"
         ) from None
 
@@ -436,6 +445,7 @@ class RecordedCircumstances(Struct, frozen=True):
         mounting: Name of the mounting of each row.
         scale: The scale of angles on the discs.
         direction: +1 where +x turned to +y, else -1.
+        unnamed: Columns of words that the sidecar of a sweep does not name; rows of dwells have names of their own.
     """
 
     kind: Literal["sweep", "dwells"]
@@ -445,6 +455,7 @@ class RecordedCircumstances(Struct, frozen=True):
     mounting: list[str]
     scale: DiscScale
     direction: int
+    unnamed: tuple[str, ...] = ()
 
 
 def read_circumstances(path: Path, sidecar_path: Path | None = None) -> RecordedCircumstances:
@@ -471,4 +482,5 @@ def read_circumstances(path: Path, sidecar_path: Path | None = None) -> Recorded
         mounting=[path.stem] * len(table.rows) if sidecar.mounting is None else table.words(sidecar.mounting),
         scale=sidecar.disc_scale,
         direction=direction,
+        unnamed=tuple(one for one in table.columns_of_words() if sidecar.kind == "sweep" and one not in sidecar.columns),
     )

@@ -7,6 +7,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import rotorundown as rd
@@ -40,6 +41,75 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         "run.xlsx is a spreadsheet: save its table as CSV",
     ),
 }
+
+LINES: dict[str, tuple[Callable[[list[str]], list[str]], str]] = {
+    "no header": (
+        lambda lines: lines[1:],
+        "run.csv, line 1 is no header: it holds numbers; the line above the first",
+    ),
+    "a title of two cells": (
+        lambda lines: ["Export, pump 12", *lines],
+        "run.csv, line 1 is no header: 'Export pump 12' has 2 cells, the lines below have 18; the first line names the "
+        "columns, begin lines above it with #",
+    ),
+    "a row that is cut short": (
+        lambda lines: [*lines[:4], lines[4][:20], *lines[5:]],
+        "run.csv, line 5 has 2 cells, its header 18: the row is cut short; complete it or leave it out",
+    ),
+    "a last row that is cut short": (
+        lambda lines: [*lines[:4], lines[4][:20]],
+        "run.csv, line 5 has 2 cells, its header 18: the row is cut short, as an export that broke off; complete it",
+    ),
+    "units that are others": (
+        lambda lines: [lines[0], units(lines[0], speed="Hz"), *lines[1:]],
+        "column 'speed_rpm [Hz]' is in Hz, but speed_unit says rpm (to a command: in a sidecar, run.yaml)",
+    ),
+}
+
+
+def units(header: str, *, speed: str = "rpm") -> str:
+    """Return a line of units below a header."""
+    known = {"time_s": "s", "speed_rpm": speed}
+    return ",".join(known.get(name, "µm pp" if name.endswith("_um_pp") else "deg") for name in header.split(","))
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_a_wrong_line_of_a_table_is_named(pump: Machine, run: rd.MachineRun, tmp_path: Path, name: str) -> None:
+    change, words = LINES[name]
+    file = tmp_path / "run.csv"
+    file.write_text("\n".join(change(run.to_frame().to_csv(index=False).splitlines())) + "\n", encoding="utf-8")
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(file, machine=pump)
+    one_line(raised)
+
+
+@pytest.mark.parametrize("number", ["3,596.40", "3.596,40", "3 596.4", "1,003,596"])
+def test_signs_between_thousands_are_named(pump: Machine, run: rd.MachineRun, tmp_path: Path, number: str) -> None:
+    frame = run.to_frame().astype({"speed_rpm": str})
+    frame.loc[2, "speed_rpm"] = number
+    words = re.escape(f"row 3: '{number}' is not a number: write numbers without signs between thousands")
+    with pytest.raises(WrongRun, match=words):
+        rd.read_run(written(tmp_path / "run.csv", frame), machine=pump)
+
+
+HEADS: dict[str, Callable[[list[str]], list[str]]] = {
+    "a separator": lambda lines: ["sep=;", *(one.replace(",", ";") for one in lines)],
+    "comments": lambda lines: ["# export of pump 12, 2026-11-27", "#", "", *lines],
+    "a title": lambda lines: ["Run-down of pump 12", "", *lines],
+    "a header behind a comment sign, as of numpy": lambda lines: [f"# {lines[0]}", *lines[1:]],
+    "a line of units": lambda lines: [lines[0], units(lines[0]), *lines[1:]],
+    "rows of blank cells at the end": lambda lines: [*lines, "," * lines[0].count(",")],
+}
+
+
+@pytest.mark.parametrize("name", HEADS)
+def test_lines_around_a_table_are_no_part_of_it(pump: Machine, run: rd.MachineRun, tmp_path: Path, name: str) -> None:
+    file = tmp_path / "run.csv"
+    file.write_text("\n".join(HEADS[name](run.to_frame().to_csv(index=False).splitlines())) + "\n", encoding="utf-8")
+    read = rd.read_run(file, machine=pump)
+    np.testing.assert_allclose(read.recorded.phasor, run.recorded.phasor, rtol=1e-6, atol=2e-11)
+    assert read.interval_s == pytest.approx(run.interval_s)
+    assert read.left_out == ()
 
 
 @pytest.mark.parametrize("name", MISREAD)
