@@ -132,6 +132,9 @@ def _numbers(name: str, values: Any) -> Floats:
         raise WrongRun(f"column '{name}' is complex: give its amplitude and its phase as two columns")
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Collection):
         raise WrongRun(f"column '{name}' is a {type(values).__name__}: give a list of numbers, one a sample")
+    plain = _plain_numbers(values)
+    if plain is not None:
+        return plain
     blank = values.isna() if hasattr(values, "isna") else [None] * len(values)
     found = np.full(len(values), np.nan)
     for number, (value, missing) in enumerate(zip(values, blank, strict=True)):
@@ -149,6 +152,17 @@ def _numbers(name: str, values: Any) -> Floats:
                 right = f": write seconds since the start, or dates and times such as {EXAMPLE}"
             raise WrongRun(f"column '{name}', row {number + 1}: '{value!s:.40}' is not a number{right}") from None
     return found
+
+
+def _plain_numbers(values: Any) -> Floats | None:
+    """Return the numbers of an array of them, or of a list of texts, all at once; None where each has to be looked at."""
+    of_texts = isinstance(values, list) and set(map(type, values)) == {str}
+    if not of_texts and not (isinstance(values, np.ndarray) and values.dtype.kind in "fiu"):
+        return None
+    try:
+        return np.array(values, dtype=float)
+    except ValueError:
+        return None
 
 
 def _is_blank(value: Any) -> bool:

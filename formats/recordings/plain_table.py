@@ -56,6 +56,8 @@ def read_plain_table(path: Path) -> tuple[list[str], list[list[str]]]:
         header = [f"{name} [{unit}]" if unit else name for name, unit in zip(header, body[0][1], strict=True)]
         body = body[1:]
     _require_whole(path, first, header, body)
+    if separator == ",":
+        return header, [cells for _, cells in body]
     point = decimal_points(separator)
     return header, [[point(cell) for cell in cells] for _, cells in body]
 

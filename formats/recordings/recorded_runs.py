@@ -112,8 +112,9 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     if circumstances.kind == "dwells":
         recorded = replace(recorded, time=None)  # no sweep has gone through them
     else:
-        unnamed = ", ".join(map(repr, circumstances.unnamed))
-        doubts += [f"{file}, left out: {unnamed}, which hold words and which its sidecar does not name"] if unnamed else []
+        if circumstances.unnamed:
+            unnamed = f"column{'s' * (len(circumstances.unnamed) > 1)} {', '.join(map(repr, circumstances.unnamed))}"
+            doubts.append(f"{file}, {unnamed} left out: no numbers, and not named by its sidecar")
         doubts += [f"{file}: {one}" for one in doubted_times((samples.time - samples.time[0]) * 1e-9)]
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
     words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults if not still[fault.index]]

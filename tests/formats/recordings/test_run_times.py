@@ -105,7 +105,7 @@ def test_columns_of_words_that_a_sidecar_does_not_name_are_told(tmp_path: Path) 
     rows = tuple(f"{row},{stamp},{value}" for row, stamp, value in zip(ROWS, ("", "ok", "ok"), "123", strict=True))
     path = write(tmp_path, header="seconds,rpm,size,phase,size_2,phase_2,status,number", rows=rows)
     _, left_out = read_runs(machine(), [path])
-    assert left_out == [f"{path}, left out: 'status', which hold words and which its sidecar does not name"]
+    assert left_out == [f"{path}, column 'status' left out: no numbers, and not named by its sidecar"]
     _, left_out = read_runs(machine(), [write(tmp_path, header=path.read_text().splitlines()[0], rows=rows, kind="dwells")])
     assert left_out == []
 
