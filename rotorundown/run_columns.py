@@ -27,6 +27,9 @@ MOST_NAMED = 5
 TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
 """Kinds of columns and of a frame's index that hold dates or durations, and how numpy has them."""
 
+NUMBERS = ("f", "i", "u")
+"""Kinds of columns of numbers."""
+
 
 class WrongRun(Invalid):
     """Raised for a file, a table or numbers that cannot be a run of the machine."""
@@ -157,11 +160,10 @@ def _numbers(name: str, values: Any) -> Floats:
 def _plain_numbers(values: Any) -> Floats | None:
     """Return the numbers of an array of them, or of a list of texts, all at once; None where each has to be looked at."""
     of_texts = isinstance(values, list) and set(map(type, values)) == {str}
-    if not of_texts and not (isinstance(values, np.ndarray) and values.dtype.kind in "fiu"):
-        return None
+    of_numbers = getattr(getattr(values, "dtype", None), "kind", "") in NUMBERS and getattr(values, "ndim", 0) == 1
     try:
-        return np.array(values, dtype=float)
-    except ValueError:
+        return np.array(values, dtype=float) if of_texts or of_numbers else None
+    except (TypeError, ValueError):
         return None
 
 

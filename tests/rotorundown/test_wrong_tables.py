@@ -58,6 +58,11 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
     ),
     "one column alone": (lambda frame, _: frame["speed_rpm"], {}, "a data frame or a mapping of columns, not Series"),
     "numbers for columns": (lambda _f, _: {"speed_rpm": 1.0}, {}, "column 'speed_rpm' is a float: give a list of numbers"),
+    "several numbers a row": (
+        lambda frame, _: {**frame, "B1L_um_pp": np.ones((len(frame), 2))},
+        {},
+        "column 'B1L_um_pp', row 1: '[1. 1.]' is not a number",
+    ),
     "truth values": (lambda frame, _: frame.assign(B1L_um_pp=True), {}, "column 'B1L_um_pp', row 1: 'True' is not a number"),
     "times of day": (
         lambda frame, _: frame.assign(time="04:00:00 PM"),
