@@ -30,7 +30,7 @@ from formats.wire import Rejected, SampleBatch, to_samples
 from storage.clock import now
 
 LOCAL_CLOCK = 14 * 3_600_000_000_000
-"""How far a table's clock that states no zone may be ahead of UTC [ns]."""
+"""Largest lead over UTC of a table's clock that states no zone [ns]."""
 FEWEST_PHASES = 10
 """Rows from which on phases that are all zero are taken for ones that nobody measured."""
 
