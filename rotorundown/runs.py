@@ -138,8 +138,8 @@ def read_run(
     Without a sidecar the units are those given here, and a table needs a column `speed` (or `speed_rpm`, `rpm`), where known
     `time` (or `time_s`) [s] or as dates, and for each channel such as `B1L` the columns `B1L_amplitude` and `B1L_phase` (or
     `B1L_um_pp` and `B1L_lag_deg`, as `rundown sample` writes them). A column `B1L_gap_um` holds the probe's mean gap [µm],
-    which grows as `gap_grows` of the document says. Without times the rate of the sweep is not judged. Units may have the names
-    that people and instruments give them, such as `µm`, `r/min`, `pp` or `°`.
+    which grows as `gap_grows` of the document says. Without times the rate of the sweep is not judged. Units may have the
+    names that people and instruments give them, such as `µm`, `r/min`, `pp` or `°`.
 
     Args:
         source: Path of a CSV file or a measuring system's, whose sidecar is used where one stands beside it; or a data frame,
