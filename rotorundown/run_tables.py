@@ -37,8 +37,10 @@ from storage.encoding.sample_blocks import Samples
 
 FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
 """Columns whose names give the unit of the speed."""
-LIKE_TIMES = ("timestamp", "datetime", "date_time", "date time", "date", "seconds", "t")
-"""Names of columns, in small letters, that seem to hold times."""
+ROW_NUMBERS = "Unnamed: "
+"""Beginning of the name that pandas gives to a column without one."""
+LIKE_TIMES = ("time", "date", "seconds")
+"""Beginnings of names, in small letters, of columns that seem to hold times."""
 BEGINNING_NS = 946_771_200_000_000_000
 """Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
 MOST_LISTED = 12
@@ -118,7 +120,7 @@ class RunTable(Struct, frozen=True, eq=False):
         samples, taken, faults = to_samples(batch, machine, received_at=now())
         still = at_standstill(samples.speed, taken)
         taken = taken & ~still
-        doubts += [] if self.time is None else doubted_times(seconds)
+        doubts += [] if self.time is None else doubted_times(seconds, speed)
         doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
         rows = [fault.of_row(kept=bool(taken[fault.index])) for fault in faults if not still[fault.index]]
         rejected = (f"{name}, {words}" for words in (*rows, *standstill_words(still)))
@@ -159,14 +161,14 @@ class RunTable(Struct, frozen=True, eq=False):
             end = next((one for one in (*AMPLITUDE_ENDS, GAP_END) if column.endswith(one)), None)
             channel = "" if end is None else column.removesuffix(end)
             if not is_known_name(column):
-                others.append(column)
+                others += [] if column.startswith(ROW_NUMBERS) else [column]
             elif channel and channel not in machine.channels:
                 close = did_you_mean(channel, machine.channels)
                 yield f"{name}, column '{column}' left out: '{channel}' is no channel of '{machine.id}'{close}"
         if others:
             many = "s" if len(others) > 1 else ""
-            times = [one for one in others if self.time is None and known_name(one).casefold() in LIKE_TIMES]
-            asked = f"; name '{times[0]}' time where it holds those of the samples" if times else ""
+            times = [one for one in others if self.time is None and one.casefold().startswith(LIKE_TIMES)]
+            asked = f"; where '{times[0]}' holds the times, name it time, in seconds or as dates" if times else ""
             yield f"{name}, column{many} {_first_names(map(repr, others))} left out: of no channel of '{machine.id}'{asked}"
         for channel, end in product(machine.channels, PHASE_ENDS):
             wanted = [f"{channel}{one}" for one in AMPLITUDE_ENDS]
@@ -205,8 +207,9 @@ def read_csv_table(path: Path) -> RunTable:
         header, rows = read_plain_table(path)
     except UnreadableFile as error:
         raise WrongRun(str(error)) from None
-    require_different([known_name(name) for name in header])
-    return RunTable.of(dict(zip(header, map(list, zip(*rows, strict=True)), strict=True)))
+    require_different([known_name(name) for name in header if name])
+    columns = zip(header, map(list, zip(*rows, strict=True)), strict=True)
+    return RunTable.of({name: column for name, column in columns if name})  # those without a name are numbers of rows
 
 
 def _first_names(columns: Iterable[str]) -> str:

@@ -11,6 +11,8 @@ EXAMPLE = "2025-01-01 00:00:00"
 """A moment as ISO 8601 has it."""
 LONGEST_LIKELY_S = 6.0 * 3600.0
 """Duration of a run-up or run-down from which on its unit is asked for [s]."""
+ONE_WAY = 0.5
+"""Least part of all changes of the speed that remains in a run-up or run-down, and not in a machine's speeds over days [-]."""
 
 
 def moment_of(value: object) -> datetime | None:
@@ -51,8 +53,8 @@ def wrong_times(seconds: Floats) -> str:
     return ""
 
 
-def doubted_times(seconds: Floats) -> list[str]:
-    """Return what is doubted of times (S,) [s] that can be those of a run, in words."""
+def doubted_times(seconds: Floats, speed: Floats) -> list[str]:
+    """Return what is doubted of times (S,) [s] that can be those of a run, in words. speed: (S,), in any unit."""
     doubts = []
     back = np.flatnonzero(np.diff(seconds) < 0.0)
     if back.size:
@@ -60,6 +62,6 @@ def doubted_times(seconds: Floats) -> list[str]:
         told = f"the times go back {back.size} time{'' if back.size == 1 else 's'}, first from row {row + 1} to row {row + 2}"
         doubts.append(f"{told}, from {seconds[row]:g} s to {seconds[row + 1]:g} s: are the rows in order of time?")
     span = float(np.ptp(seconds)) if seconds.size else 0.0
-    if span > LONGEST_LIKELY_S:
+    if span > LONGEST_LIKELY_S and abs(speed[-1] - speed[0]) > ONE_WAY * np.sum(np.abs(np.diff(speed))):
         doubts.append(f"the run lasts {span / 3600.0:.3g} h: are its times in milliseconds? Write seconds")
     return doubts

@@ -78,11 +78,20 @@ def test_columns_of_no_channel_are_left_out_of_a_table(pump: Machine, run: rd.Ma
     assert (ended.exit_code, f"run.csv, {words}" in ended.stderr) == (0, True)
 
 
+def test_numbers_of_rows_are_not_worth_a_note(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    run.to_frame().to_csv(file)
+    assert rd.read_run(file, machine=pump).left_out == ()
+    assert rd.read_run(pandas.read_csv(file), machine=pump).left_out == ()
+
+
 def test_a_column_that_seems_to_hold_the_times_is_asked_for(pump: Machine, run: rd.MachineRun) -> None:
     frame = run.to_frame()
     stamped = frame.drop(columns="time_s").assign(Timestamp="2026-11-27 04:00:00")
     (said,) = rd.read_run(stamped, machine=pump).left_out
-    assert said.endswith("of no channel of 'motor-pump'; name 'Timestamp' time where it holds those of the samples")
+    assert said.endswith(
+        "of no channel of 'motor-pump'; where 'Timestamp' holds the times, name it time, in seconds or as dates"
+    )
     (said,) = rd.read_run(frame.assign(Timestamp="2026-11-27 04:00:00"), machine=pump).left_out
     assert said.endswith("of no channel of 'motor-pump'")
 

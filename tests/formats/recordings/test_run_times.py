@@ -86,10 +86,12 @@ def test_times_are_judged_as_a_whole() -> None:
     assert wrong_times(np.array([0.0, 0.0, 1.0, 1.0, 2.0])) == ""
     assert wrong_times(np.array([5.0])) == ""
     assert wrong_times(np.array([0.0, 3.0, 2.0, 4.0])) == ""
-    assert doubted_times(np.array([0.0, 3.0, 2.0, 4.0])) == [
+    assert doubted_times(np.array([0.0, 3.0, 2.0, 4.0]), np.arange(4.0)) == [
         "the times go back 1 time, first from row 2 to row 3, from 3 s to 2 s: are the rows in order of time?"
     ]
-    assert doubted_times(np.array([0.0, 36e3])) == ["the run lasts 10 h: are its times in milliseconds? Write seconds"]
+    hours = np.array([0.0, 20e3, 36e3])
+    assert doubted_times(hours, np.arange(3.0)) == ["the run lasts 10 h: are its times in milliseconds? Write seconds"]
+    assert doubted_times(hours, np.array([300.0, 400.0, 310.0])) == []  # of a machine that works
 
 
 def test_moments_of_several_zones_are_counted_in_one() -> None:
