@@ -43,6 +43,9 @@ UNIT_NAMES: dict[str, dict[str, tuple[str, ...]]] = {
 }
 """Other names of each unit, by the field that declares it."""
 
+NEAR_LENGTH = 2
+"""Most letters by which a misspelt name is longer or shorter: inches (`in`) are no microns."""
+
 
 def _plain(name: str) -> str:
     """Return a name as it is compared: in small letters, µ as Greek has it, one kind of sign between its words."""
@@ -83,7 +86,8 @@ def unknown_unit(field: str, name: Any, units: Iterable[str]) -> str:
         What is wrong, in words.
     """
     known = list(units)
-    names = {plain: unit for plain, unit in _MEANT[field].items() if unit in known}
+    length = len(_plain(name)) if isinstance(name, str) else 0
+    names = {plain: unit for plain, unit in _MEANT[field].items() if unit in known and abs(len(plain) - length) <= NEAR_LENGTH}
     close = dict.fromkeys(names[one] for one in close_names(_plain(name), names)) if isinstance(name, str) else {}
     meant = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
     return f"{name!r} is not one of {', '.join(known)}{meant}"

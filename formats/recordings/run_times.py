@@ -17,6 +17,8 @@ ONE_WAY = 0.5
 
 def moment_of(value: object) -> datetime | None:
     """Return the moment that a date and time, or its text in ISO 8601, stands for; None for anything else."""
+    if isinstance(value, np.datetime64):
+        value = value.astype("datetime64[us]").item()
     if isinstance(value, datetime):
         return value if value == value else None  # pandas' missing one is a datetime, too
     try:

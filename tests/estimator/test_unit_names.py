@@ -42,5 +42,6 @@ def test_what_is_no_name_of_a_unit_stays_and_is_told_close_ones() -> None:
     assert declared_unit("speed_unit", "herz") == "herz"
     assert declared_unit("speed_unit", None) is None
     assert unknown_unit("speed_unit", "herz", ["rpm", "Hz"]) == "'herz' is not one of rpm, Hz; did you mean 'Hz'?"
+    assert unknown_unit("amplitude_unit", "in", ["m", "mm", "um", "mil"]) == "'in' is not one of m, mm, um, mil"
     assert unknown_unit("amplitude_unit", "volts", ["m", "um"]) == "'volts' is not one of m, um"
     assert unknown_unit("phase_unit", 360, ["deg", "rad"]) == "360 is not one of deg, rad"

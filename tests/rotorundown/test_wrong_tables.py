@@ -158,6 +158,7 @@ TAKEN: dict[str, Callable[[Any], Any]] = {
         Time=pd.Series([datetime.fromisoformat(f"{one}Z") for one in dates(len(frame))], dtype=object)
     ),
     "dates in a mapping": lambda frame: {**frame, "time": list(map(datetime.fromisoformat, dates(len(frame))))},
+    "dates of numpy in a mapping": lambda frame: {**frame, "time": [np.datetime64(one) for one in dates(len(frame))]},
     "times with their unit in the header": lambda frame: frame.assign(**{"Time [s]": 2.0 * np.arange(len(frame))}),
     "names in small letters": lambda frame: frame.rename(columns=str.lower),
     "units in brackets": lambda frame: frame.rename(columns=spoken),
