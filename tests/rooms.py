@@ -168,7 +168,7 @@ service/commands: estimator estimator/balancing estimator/bearings estimator/cal
     service/resilience service/runs service/secrets service/security service/sources service/wording service/workers
     service/write_path storage storage/backup storage/database storage/encoding storage/machines storage/operation
     storage/tables
-service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
+service: estimator/machine rotorundown service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """
 
