@@ -25,7 +25,7 @@ MARK = re.compile(r"(?m)^<!-- figure: ([\w-]+): (.+) -->$")
 def campbell(*, short: bool) -> "Figure":
     """Draw natural frequencies of the motor and pump over speed. short: has no effect."""
     del short
-    return campbell_diagram(rd.model(_pump()).campbell())
+    return campbell_diagram(rd.model(_pump()).campbell().si)
 
 
 def polar(*, short: bool) -> "Figure":

@@ -9,7 +9,7 @@ rundown sample examples/motor-pump.yaml by-hand/healthy.csv
 rundown identify examples/motor-pump.yaml by-hand/healthy.csv
 rundown model examples/motor-pump.yaml by-hand/healthy.csv
 rundown sample examples/motor-pump.yaml:misalignment by-hand/later.csv --run-seed 2
-rundown compare examples/motor-pump.yaml by-hand/healthy.csv by-hand/later.csv --coupling C1
+rundown compare examples/motor-pump.yaml by-hand/healthy.csv by-hand/later.csv
 
 # With a service, which goes on in the background: a machine, its run-down over zenoh, what was identified from it.
 rundown serve --port "$port" --zenoh-listen "$stream" --database sqlite:///by-hand/rundown.db &

@@ -3,8 +3,10 @@
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -16,10 +18,12 @@ from estimator.machine.document import Machine
 from formats.files.document_files import UnreadableFile
 from formats.recordings.recorded_runs import read_calibration_runs
 from formats.wire import Rejected
-from rotorundown.calibration_summary import calibration_text
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.environment.example_machines import found_example
-from rotorundown.notebook_text import notebook_text
+from rotorundown.environment.notebook_text import notebook_text
+from rotorundown.environment.optional_packages import optional_package
+from rotorundown.summaries.calibrated_values import CALIBRATED_COLUMNS, calibrated_rows
+from rotorundown.summaries.calibration_summary import calibration_text
 
 LINE_WIDTH = 120
 
@@ -58,14 +62,31 @@ class CalibratedMachine:
     def write(self, file: str | Path) -> None:
         """Write the calibrated document as YAML, or over one that was written before.
 
-        Raises NotCalibrated for one that is not accepted, or where another file is in the way, OSError.
+        Raises NotCalibrated for one that is not accepted, or where another file is in the way or it cannot be written.
         """
         if not self.accepted:
             raise NotCalibrated(f"nothing is written, for the calibration is not accepted: {self.verdict}")
+        if not isinstance(file, str | PathLike):
+            raise NotCalibrated(f"file is a {type(file).__name__}: give the path of the document to write")
         require_replaceable(Path(file))
         content = self.machine.model_dump(mode="json", exclude_none=True)
         text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=LINE_WIDTH, allow_unicode=True)
-        Path(file).write_text(text, encoding="utf-8")
+        try:
+            Path(file).write_text(text, encoding="utf-8")
+        except OSError as error:
+            folder = Path(file).parent
+            why = error.strerror if folder.is_dir() else f"there is no folder {folder}, make it first"
+            raise NotCalibrated(f"{file} cannot be written: {why}") from None
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame with a row per calibrated parameter, in SI units. Raises PackageMissing without pandas.
+
+        Gains are measured over true; complex parameters have an imaginary part. A refused calibration may have no row.
+        """
+        pandas = optional_package("pandas", needed_for="data frames")
+        calibration = self.machine.calibration
+        rows = [] if calibration is None else list(calibrated_rows(calibration))
+        return pandas.DataFrame(rows, columns=["parameter", *CALIBRATED_COLUMNS]).set_index("parameter")
 
     def __str__(self) -> str:
         return calibration_text(self.found)
@@ -108,7 +129,13 @@ def calibrate(
     Raises:
         NotCalibrated: A file cannot be read, states no or impossible weights, or nothing differs between the runs.
     """
-    if isinstance(files, str | Path):
+    if not isinstance(machine, Machine):
+        raise NotCalibrated(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
+    if not isinstance(seed, Integral) or seed < 0:
+        raise NotCalibrated(f"seed is a whole number from 0 up, not {seed!r:.40}")
+    if isinstance(gain_drift, bool) or not isinstance(gain_drift, Real):
+        raise NotCalibrated(f"gain_drift is a number from 0 up, such as 0.02 for 2 %, not {gain_drift!r:.40}")
+    if isinstance(files, str | PathLike):
         raise NotCalibrated(f"files is one path, {files}: give a list of the recordings with and without weights")
     if not isinstance(files, Iterable):
         raise NotCalibrated(f"files is a {type(files).__name__}: give a list of the recordings with and without weights")

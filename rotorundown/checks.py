@@ -9,8 +9,8 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import slowest_rpm
 from estimator.phasors.quality import Quality, assess
 from estimator.statics.whirl_in_range import instability_words
+from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.machine_files import checked_machine
-from rotorundown.notebook_text import notebook_text
 from rotorundown.run_columns import WrongRun
 from rotorundown.runs import MachineRun
 

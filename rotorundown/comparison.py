@@ -3,8 +3,9 @@
 On oil films it is the alignment in µm that has changed, and the bearings' loads with it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from estimator.alignment.alignment_comparison import AlignmentComparison
 from estimator.close_matches import did_you_mean
@@ -15,10 +16,13 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
 from estimator.phasors.measurement import joined
 from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.environment.notebook_text import notebook_text
+from rotorundown.environment.optional_packages import optional_package
 from rotorundown.identification import identify
-from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result, require_result
 from rotorundown.runs import MachineRun
+from rotorundown.summaries.comparison_summary import alignment_rows, comparison_text, coupling_rows
+from rotorundown.summaries.estimate_summary import within_screen
 
 
 class NotComparable(Invalid):
@@ -31,25 +35,32 @@ class CouplingComparison:
 
     Attributes:
         found: The compared models, the best first, with their criteria; on oil films the changes of alignment and loads.
+        baseline: The baseline's result.
     """
 
     found: ModelComparison | AlignmentComparison
+    baseline: Result
 
     @property
     def verdict(self) -> str:
         """Return the verdict in words."""
         return self.found.verdict
 
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame of what has changed, in SI units. Raises PackageMissing without pandas.
+
+        It has a row per coefficient at the coupling with its value before and now, by the likeliest model; on oil films a row
+        per offset, angle and load with its change and 95 % interval.
+        """
+        pandas = optional_package("pandas", needed_for="data frames")
+        if isinstance(self.found, AlignmentComparison):
+            return pandas.DataFrame(alignment_rows(self.found)).set_index("parameter")
+        return pandas.DataFrame(coupling_rows(self.found, self.baseline.identification)).set_index("parameter")
+
     def __str__(self) -> str:
         if isinstance(self.found, AlignmentComparison):
             return "\n".join([self.verdict, "", *self.found.lines()])
-        lines = [
-            f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
-            for view in self.found.views
-        ]
-        return "\n".join(
-            [self.verdict, "", "Compared models, the likeliest first: the smaller the criterion, the likelier", *lines]
-        )
+        return "\n".join(map(within_screen, comparison_text(self.found, self.baseline.identification).splitlines()))
 
     __repr__ = __str__
 
@@ -58,7 +69,7 @@ class CouplingComparison:
         return notebook_text(self)
 
 
-def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupling: str) -> CouplingComparison:
+def compare(baseline: Result, runs: MachineRun | Iterable[MachineRun], *, coupling: str | None = None) -> CouplingComparison:
     """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change.
 
     Of a train on oil films it tells by how much offset, angle and the bearings' loads have changed.
@@ -66,33 +77,62 @@ def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupli
     Args:
         baseline: Result of the healthy machine, accepted.
         runs: The later run, or several together.
-        coupling: Id of the coupling.
+        coupling: Id of the coupling; None where the machine has a single one.
 
     Returns:
         The comparison.
 
     Raises:
-        NotComparable: The baseline, or on oil films the later run, is not accepted, the machine has no such coupling, or on
-            oil films the two say nothing of its alignment together.
+        NotComparable: The baseline, or on oil films the later run, is not accepted, the machine has no such coupling, there is
+            no later run, or it was not read with this machine, or on oil films the two say nothing of its alignment together.
         NotIdentified: The baseline is no result of `identify`.
     """
     require_result(baseline, "the baseline")
     machine = baseline.machine
-    known = [one.id for one in machine.couplings]
-    if coupling not in known:
-        raise NotComparable(
-            f"'{coupling}' is no coupling of '{machine.id}'; there are {', '.join(known)}{did_you_mean(coupling, known)}"
-        )
+    coupling = compared_coupling(machine, coupling)
+    several = _later_runs(machine, runs)
     if not baseline.accepted:
         raise NotComparable(f"the baseline is not accepted: {baseline.verdict}")
-    several = [runs] if isinstance(runs, MachineRun) else list(runs)
     if follows_films(machine):
-        return CouplingComparison(_on_films(machine, baseline, several, coupling))
+        return CouplingComparison(_on_films(machine, baseline, several, coupling), baseline)
     measurement = joined([run.measurement for run in several])
     with one_blas_thread():
-        return CouplingComparison(
-            compare_misalignment(machine, measurement, baseline=baseline.identification, coupling=coupling)
-        )
+        found = compare_misalignment(machine, measurement, baseline=baseline.identification, coupling=coupling)
+    return CouplingComparison(found, baseline)
+
+
+def compared_coupling(machine: Machine, coupling: str | None) -> str:
+    """Return the id of the coupling that is named, or of the only one. Raises NotComparable."""
+    known = [one.id for one in machine.couplings]
+    if not known:
+        raise NotComparable(f"'{machine.id}' has no coupling to compare")
+    if coupling is None:
+        if len(known) > 1:
+            raise NotComparable(f"'{machine.id}' has several couplings, {', '.join(known)}: say which one is to be compared")
+        return known[0]
+    if coupling not in known:
+        near = did_you_mean(str(coupling), known)
+        raise NotComparable(f"'{coupling}' is no coupling of '{machine.id}'; there are {', '.join(known)}{near}")
+    return coupling
+
+
+def _later_runs(machine: Machine, given: Any) -> list[MachineRun]:
+    """Return the later runs as a list. Raises NotComparable for what is no run of the machine."""
+    one = not isinstance(given, Iterable) or isinstance(given, str | Mapping | Result) or hasattr(given, "columns")
+    runs = [given] if one else list(given)
+    if not runs:
+        raise NotComparable("no later run is given: compare needs one at least")
+    for run in runs:
+        if isinstance(run, Result):
+            raise NotComparable("a later run is a Result: give the runs that it was identified from, result.runs")
+        if not isinstance(run, MachineRun):
+            raise NotComparable(f"a later run is a {type(run).__name__}: read it first, with read_run(…, machine=…)")
+        if run.channels != machine.channels:
+            raise NotComparable(
+                f"run '{run.name}' has the channels {', '.join(run.channels)}, machine '{machine.id}' has "
+                f"{', '.join(machine.channels)}: read it with this machine"
+            )
+    return runs
 
 
 def _on_films(machine: Machine, baseline: Result, runs: Sequence[MachineRun], coupling: str) -> AlignmentComparison:

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from numbers import Integral
+from typing import Any
 
 from estimator.alignment.healthy_films import learnt_variation
 from estimator.diagnosis.alignment_size import MISALIGNMENT, alignment_size
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.film_reference import film_observation
-from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
+from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, observation_of, observed_fit
 from estimator.diagnosis.open_channels import estimate_beside
@@ -16,11 +18,12 @@ from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
-from estimator.machine.parameter_description import describe
 from estimator.updated_model.model import UpdatedModel, model_at
 from rotorundown.copied_runs import copied_run, copy_words
-from rotorundown.notebook_text import notebook_text
+from rotorundown.environment.notebook_text import notebook_text
+from rotorundown.environment.optional_packages import optional_package
 from rotorundown.result import Result, require_result
+from rotorundown.summaries.cause_sizes import COLUMNS, size_rows, size_words
 
 
 class NotDiagnosable(Invalid):
@@ -44,35 +47,26 @@ class CausesFound:
         """Return the causes."""
         return self.diagnosis.causes
 
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame with a row per figure of each cause's size, in its unit.
+
+        Raises PackageMissing without pandas.
+        """
+        pandas = optional_package("pandas", needed_for="data frames")
+        rows = [row for cause, size in zip(self.causes, self.sizes, strict=True) for row in size_rows(cause, size)]
+        return pandas.DataFrame(rows, columns=list(COLUMNS))
+
     def __str__(self) -> str:
         if not self.causes:
             return "nothing that changed since the baseline is certain enough to be told"
         told = zip(self.causes, self.sizes, strict=True)
-        return "\n".join(f"{one.kind} at {one.element}: {_size_text(size)}evidence {one.evidence:.1f}" for one, size in told)
+        return "\n".join(f"{one.kind} at {one.element}: {size_words(size)}evidence {one.evidence:.1f}" for one, size in told)
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         """Return the text for a notebook, escaped."""
         return notebook_text(self)
-
-
-def _size_text(size: ChangeSize) -> str:
-    """Return a size in words: per cent of the baseline, else the figure that takes most of what is allowed, and loads."""
-    if size.per_cent is not None:
-        return f"{size.per_cent:.0f} %, "
-    loads = [one for one in size.parts[1:] if describe(one.name).element_kind == "bearing"]
-    return "".join(f"{_figure(one)}{_part_of_load(one, size)}, " for one in (*size.parts[:1], *loads))
-
-
-def _figure(one: SizePart) -> str:
-    return f"{one.name} {one.value:.3g} ± {(one.upper - one.lower) / 2:.2g} {one.unit}"
-
-
-def _part_of_load(one: SizePart, size: ChangeSize) -> str:
-    """Return by how much more or less a bearing carries, where the figure is a load and that is known; nothing else."""
-    part = size.quantities.get(f"{one.name.removesuffix('_vertical')}_per_cent")
-    return "" if part is None else f" ({part:+.0f} %)"
 
 
 def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_agree: int = 1) -> CausesFound:
@@ -97,6 +91,8 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
             raise NotDiagnosable(f"{name} is a {type(several).__name__}: give a list of results of identify(machine, runs)")
         for one in several:
             require_result(one, f"what is in {name}")
+    if isinstance(runs_that_agree, bool) or not isinstance(runs_that_agree, Integral) or runs_that_agree < 1:
+        raise NotDiagnosable(f"runs_that_agree is a whole number from 1 up, not {runs_that_agree!r:.40}")
     if not baseline or not later:
         raise NotDiagnosable("a diagnosis needs results of the healthy machine and later ones")
     machine = baseline[0].machine

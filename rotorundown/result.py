@@ -17,10 +17,10 @@ from estimator.machine.document import Machine
 from estimator.phasors.measurement import joined
 from estimator.phasors.quality import Quality
 from estimator.units import rpm_to_rad_per_s
+from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.environment.optional_packages import optional_package
-from rotorundown.estimate_summary import REFUSED_VALUES, element_lines, sample_words, within_screen
-from rotorundown.notebook_text import notebook_text
 from rotorundown.runs import MachineRun
+from rotorundown.summaries.estimate_summary import REFUSED_VALUES, element_lines, sample_words, within_screen
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,9 @@ shaft, z along it, and turn from x towards y, so that coefficients keep their si
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +59,11 @@ def read_ross_model(
     Raises:
         WrongROSSModel: The file cannot be read, or an element cannot be described; the message names it.
     """
+    if not isinstance(file, str | PathLike):
+        raise WrongROSSModel(f"file is a {type(file).__name__}: give the path of what ROSS's Rotor.save wrote")
+    limits = _speed_range(speed_range_rpm)
+    if isinstance(probes, str | Mapping | Probe) or not all(isinstance(one, Mapping | Probe) for one in _several(probes)):
+        raise WrongROSSModel('probes are a list such as [{"id": "B1X", "station": 0.1, "angle_deg": 45}]')
     elements = _elements(Path(file))
     try:
         shaft = one_shaft([(name, one) for kind, name, one in elements if kind == "ShaftElement"])
@@ -64,7 +71,7 @@ def read_ross_model(
             "id": machine,
             "plant": plant,
             "name": machine,
-            "speed_range": dict(zip(("minimum_rpm", "maximum_rpm"), speed_range_rpm, strict=True)),
+            "speed_range": dict(zip(("minimum_rpm", "maximum_rpm"), limits, strict=True)),
             "materials": shaft.materials,
             "shafts": [{"id": SHAFT, "sections": shaft.sections}],
             "discs": [],
@@ -83,6 +90,21 @@ def read_ross_model(
     except DocumentError as error:
         problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
         raise WrongROSSModel(f"{file} gives no machine document:\n{problems}") from None
+
+
+def _speed_range(given: Any) -> list[Any]:
+    """Return the lowest and the highest speed [r/min]. Raises WrongROSSModel."""
+    limits = _several(given)
+    if len(limits) != 2 or not all(isinstance(one, Real) and not isinstance(one, bool) for one in limits):
+        raise WrongROSSModel(
+            f"speed_range_rpm is the lowest and the highest speed [r/min], such as (300, 3000), not {given!r:.40}"
+        )
+    return [float(one) for one in limits]
+
+
+def _several(given: Any) -> list[Any]:
+    """Return what a list holds, or what is none as its only part."""
+    return list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
 
 
 def _elements(file: Path) -> list[tuple[str, str, dict[str, Any]]]:

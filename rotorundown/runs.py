@@ -26,6 +26,7 @@ from formats.files.document_files import UnreadableFile
 from formats.recordings.sidecar_place import is_plain_table, sidecar_of
 from formats.wire import Rejected, as_sent
 from rotorundown.environment.example_machines import found_example
+from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_columns import GAP_END, WrongRun
 from rotorundown.run_tables import RunTable, read_csv_table
@@ -120,6 +121,10 @@ class MachineRun(Struct, frozen=True, eq=False):
         return "\n".join(lines)
 
     __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the text for a notebook; names come from files, so everything is escaped."""
+        return notebook_text(self)
 
 
 def read_run(

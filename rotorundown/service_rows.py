@@ -6,6 +6,7 @@ from typing import Any, Generic, TypeVar, overload
 
 import msgspec
 
+from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.environment.optional_packages import optional_package
 
 R = TypeVar("R", bound=msgspec.Struct)
@@ -144,6 +145,10 @@ class Rows(Sequence[R], Generic[R]):
         lines = [repr(one) for one in self._rows[:MOST_PRINTED]]
         left = len(self) - MOST_PRINTED
         return "\n".join([*lines, *([f"and {left} more: to_frame()"] if left > 0 else [])] or [f"no {self.kind.__name__}"])
+
+    def _repr_html_(self) -> str:
+        """Return the text for a notebook; names come from documents, so everything is escaped."""
+        return notebook_text(self)
 
 
 def rows_of(kind: type[R], answers: Sequence[Any]) -> Rows[R]:

@@ -76,10 +76,13 @@ service/sources: estimator estimator/machine estimator/runs estimator/simulation
 rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/fit/omitted_errors estimator/machine estimator/modes
     estimator/phasors estimator/statics estimator/updated_model rotorundown/environment
+rotorundown/summaries: estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
+    estimator/identification estimator/machine estimator
+rotorundown/model_results: estimator estimator/modes estimator/rotor estimator/updated_model rotorundown/environment
 rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
-    estimator/identification estimator/machine estimator/machine/checks estimator/modes estimator/phasors
+    estimator/identification estimator/machine estimator/machine/checks estimator/phasors
     estimator/simulation estimator/statics estimator/updated_model formats/files formats/recordings formats/wire
-    rotorundown/environment rotorundown/plots storage storage/encoding
+    rotorundown/environment rotorundown/model_results rotorundown/plots rotorundown/summaries storage storage/encoding
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage
@@ -158,10 +161,11 @@ service/doctor: formats/wire service/api service/configuration service/delivery 
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
 service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
     estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
+    rotorundown/summaries
 service/commands: estimator estimator/balancing estimator/bearings estimator/calibration estimator/diagnosis
     estimator/fit estimator/fit/omitted_errors estimator/identification estimator/machine estimator/machine/checks
     estimator/phasors estimator/simulation estimator/thesis estimator/updated_model formats/files
-    formats/recordings formats/wire rotorundown rotorundown/environment service/advice service/api
+    formats/recordings formats/wire rotorundown rotorundown/environment rotorundown/summaries service/advice service/api
     service/api/operation service/balancing service/commands/results service/configuration service/delivery
     service/doctor service/edge service/export service/http service/identification service/ingest service/maintenance
     service/messaging service/monitoring/rules service/mqtt service/opcua service/replication service/reports

@@ -52,9 +52,15 @@ bode = result.plot_bode()
 polar = result.plot_polar(["B1L"])
 
 # %% [markdown]
-# What follows from the values: critical speeds [r/min], and the unbalances to add for least vibration.
+# What follows from the values: critical speeds, and the unbalances to add for least vibration at working speed.
 
 # %%
 updated = rd.model(result)
-print([round(one.speed * 9.5493) for one in updated.critical_speeds()])
+print(updated.critical_speeds())
+
+# %%
+correction = updated.balance(2980)
+print(correction)
+
+# %%
 train = result.plot_train()

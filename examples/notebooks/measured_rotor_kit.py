@@ -27,16 +27,14 @@ print(len(found.parameters), "parameters from", found.runs[0].samples, "samples"
 
 # %%
 updated = rd.model(calibrated.machine)
-speeds = [600.0, 1000.0, 1200.0]
-for speed, amplitude in zip(speeds, updated.response(speeds).amplitude, strict=True):
-    print(f"{speed:.0f} r/min:", ", ".join(f"{2e6 * one:.1f} µm pp" for one in amplitude))
+print(updated.response([600, 1000, 1200]))
 
 # %%
 import matplotlib.pyplot as plt
 
-over = [600.0 + 5.0 * number for number in range(121)]
+response = updated.response(range(600, 1205, 5))
 drawn, plot = plt.subplots()
-plot.plot(over, 2e6 * updated.response(over).amplitude, label=calibrated.machine.channels)
+plot.plot(response.speed_rpm, response.amplitude_um_pp, label=response.channels)
 plot.set_xlabel("r/min")
 plot.set_ylabel("1× of the shaft [µm pp]")
 plotted = plot.legend()

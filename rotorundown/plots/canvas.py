@@ -1,6 +1,6 @@
 """Figures to draw on: matplotlib is asked for only when a plot is made, and no window is opened by itself."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from estimator.close_matches import did_you_mean
@@ -34,10 +34,12 @@ def channel_numbers(known: Sequence[str], wanted: Sequence[str] | None) -> list[
     """Return the indices of the wanted channels, or of the one that is named, all by default. Raises UnknownChannel."""
     if wanted is None:
         return list(range(len(known)))
-    wanted = [wanted] if isinstance(wanted, str) else wanted
+    if not isinstance(wanted, Iterable):
+        raise UnknownChannel(f"channels are named by their ids, not by {wanted!r:.40}; there are {', '.join(known)}")
+    wanted = [wanted] if isinstance(wanted, str) else list(wanted)
     if not wanted:
         raise UnknownChannel(f"no channel is named; there are {', '.join(known)}")
     unknown = next((one for one in wanted if one not in known), None)
     if unknown is not None:
-        raise UnknownChannel(f"'{unknown}' is no channel; there are {', '.join(known)}{did_you_mean(unknown, known)}")
+        raise UnknownChannel(f"'{unknown}' is no channel; there are {', '.join(known)}{did_you_mean(str(unknown), known)}")
     return [list(known).index(one) for one in wanted]

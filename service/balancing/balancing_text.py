@@ -24,6 +24,8 @@ from service.wording.stored_sentences import in_language
 
 FROM_MARK = DiscScale()
 """Scale that counts from the keyphasor mark, +x to +y."""
+SMALL_ANGLE = 10.0
+"""Half width from which on it is given in whole degrees [°]."""
 
 
 def balancing_text(
@@ -73,10 +75,15 @@ def _correction(found: FieldBalancing, language: Language, scale: DiscScale) -> 
 def _weight(found: FieldBalancing, one: WeightToAdd, language: Language, scale: DiscScale) -> str:
     """Return a plane's unbalance to add with its interval, and its angle on a scale."""
     digits, translate = language.digits, language.translate
-    angle = digits(f"{_reading(found, scale, one.angle_deg):6.1f} ± {one.half_width_deg:.0f}")
+    angle = digits(f"{_reading(found, scale, one.angle_deg):6.1f} ± {_half(one.half_width_deg)}")
     interval = translate("balancing.interval", lower=digits(_three(one.lower_g_mm)), upper=digits(_three(one.upper_g_mm)))
     at = translate("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
     return f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {translate('balancing.at', interval=interval, angle=at)}"
+
+
+def _half(half: float) -> str:
+    """Return the half width of an angle's interval [°], a small one rounded up to the tenths of the angle: none is exact."""
+    return f"{half:.0f}" if half >= SMALL_ANGLE else f"{max(math.ceil(10.0 * half) / 10.0, 0.1):.1f}"
 
 
 def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:

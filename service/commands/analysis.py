@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
@@ -165,9 +164,7 @@ def model(
     machine: MachineFile,
     files: Annotated[
         list[Path] | None,
-        typer.Argument(
-            help="recorded runs, as for replay; without any the static state on oil films alone", callback=named_files
-        ),
+        typer.Argument(help="recorded runs, as for replay; without any, what the document alone gives", callback=named_files),
     ] = None,
     sidecar: OtherSidecar = None,
     service_rpm: Annotated[
@@ -180,8 +177,9 @@ def model(
 
     Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Where
     the document gives the film of each bearing, the static state comes first: loads, specific pressures, eccentricities,
-    positions, Sommerfeld numbers and the speed from which on the train would whirl. Ends with status 1 when the fit is not
-    accepted. With --json the runs' results alone are printed; without any run the static state.
+    positions, Sommerfeld numbers and the speed from which on the train would whirl. Without any run what the document alone
+    gives is printed: critical speeds and natural frequencies are nominal then, or by its calibration. Ends with status 1 when
+    the fit is not accepted. With --json and runs the static state is left out.
     """
     import threadpoolctl
 
@@ -190,10 +188,11 @@ def model(
     from service.commands.results.model_report import model_text
     from service.commands.results.result_content import model_content
 
-    if not (as_json and files):
-        _print_films(machine, service_rpm, needed=not files, as_json=as_json)
     if not files:
+        _print_nominal(machine, service_rpm, grade=grade, as_json=as_json)
         return
+    if not as_json:
+        _print_films(machine, service_rpm)
     described, _, result = identified(machine, files, sidecar)
     speed = _service_speed(described, service_rpm)
     print_line(result.verdict, err=as_json)
@@ -225,30 +224,55 @@ def _service_speed(machine: "Machine", given: float | None) -> float:
     return limits.maximum_rpm if given is None else given
 
 
-def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_json: bool) -> None:
-    """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
+def _print_films(machine: Path, service_rpm: float | None) -> None:
+    """Print the static state on oil films of a document that describes them."""
     from formats.files.document_files import UnreadableFile, read_machine
-    from service.commands.results.film_report import film_content, film_text, has_films
+    from service.commands.results.film_report import film_text, has_films
 
     try:
         described = read_machine(machine)
         if has_films(described):
-            speed = _service_speed(described, service_rpm)
-            if as_json:
-                print_json(film_content(described, service_rpm=speed))
-            else:
-                print_text(film_text(described, service_rpm=speed))
-        elif needed:
-            fail(f"{machine}: no run is given, and a bearing says nothing of its film: there is nothing to compute")
+            print_text(film_text(described, service_rpm=_service_speed(described, service_rpm)))
     except (UnreadableFile, Invalid) as error:
         fail(str(error))
+
+
+def _print_nominal(machine: Path, service_rpm: float | None, *, grade: float, as_json: bool) -> None:
+    """Print what a document alone gives: the static state on its oil films, critical speeds and natural frequencies."""
+    import threadpoolctl
+
+    from formats.files.document_files import UnreadableFile, read_machine
+    from rotorundown.updated_models import model as model_of
+    from service.commands.results.film_report import film_content, has_films
+    from service.commands.results.nominal_report import nominal_content, nominal_text
+
+    if not as_json:
+        _print_films(machine, service_rpm)
+    try:
+        described = read_machine(machine)
+        speed = _service_speed(described, service_rpm)
+        films = film_content(described, service_rpm=speed) if as_json and has_films(described) else {}
+        with threadpoolctl.threadpool_limits(1), working("computing the model's results"):
+            model = model_of(described)
+            if as_json:
+                content = films | nominal_content(model, service_rpm=speed, grade=grade)
+            else:
+                text = nominal_text(model, service_rpm=speed, grade=grade)
+    except (UnreadableFile, ValueError) as error:
+        fail(str(error))
+    if as_json:
+        print_json(content)
+    else:
+        print_text(f"\n{text}" if has_films(described) else text)
 
 
 def compare(
     machine: MachineFile,
     baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine", callback=named_file)],
     files: RunFiles,
-    coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
+    coupling: Annotated[
+        str | None, typer.Option(help="id of the coupling that may be misaligned; by default the train's only one")
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change.
@@ -262,21 +286,24 @@ def compare(
     from estimator.phasors.measurement import joined
     from formats.files.document_files import UnreadableFile
     from formats.wire import Rejected
-    from service.commands.results.identification_report import comparison_text
+    from rotorundown.comparison import NotComparable, compared_coupling
+    from rotorundown.summaries.comparison_summary import comparison_text
     from service.commands.results.result_content import comparison_content
 
     described, _, healthy = identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")
-    if coupling not in (known := [one.id for one in described.couplings]):
-        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(known)}{did_you_mean(coupling, known)}")
+    try:
+        compared = compared_coupling(described, coupling)
+    except NotComparable as error:
+        fail(str(error))
     if follows_films(described):
-        _compare_alignment(machine, healthy, files, coupling, as_json=as_json)
+        _compare_alignment(machine, healthy, files, compared, as_json=as_json)
         return
     try:
         measurement = joined([measured for _, measured in _recorded(described, files, None)])
         with threadpoolctl.threadpool_limits(1), working("comparing models"):
-            found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
+            found = compare_misalignment(described, measurement, baseline=healthy, coupling=compared)
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
     if as_json:

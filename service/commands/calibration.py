@@ -58,8 +58,8 @@ def calibrate(
         raise typer.Exit(1)
     try:
         found.write(target)
-    except OSError as error:
-        fail(f"{target}: {error.strerror}")
+    except NotCalibrated as error:
+        fail(str(error))
     print_line(
         f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since",
         err=as_json,

@@ -29,7 +29,7 @@ EXAMPLES: dict[str, str] = {
     "sample": "rundown sample pump-12.yaml:misalignment later.csv --run-seed 2",
     "identify": "rundown identify pump-12.yaml healthy.csv --advice",
     "model": "rundown model pump-12.yaml healthy.csv --service-rpm 2980",
-    "compare": "rundown compare pump-12.yaml healthy.csv later.csv --coupling C1",
+    "compare": "rundown compare pump-12.yaml healthy.csv later.csv",
     "calibrate": "rundown calibrate pump-12.yaml healthy.csv trial-1.csv trial-2.csv",
     "balance": "rundown balance pump-12.yaml healthy.csv trial-1.csv trial-2.csv",
     "slow-roll": "rundown slow-roll pump-12.yaml healthy.csv 300:400",

@@ -1,7 +1,10 @@
 """Calibration from Python: what runs must say, and that one that is not accepted writes nothing."""
 
+import math
+import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -41,11 +44,37 @@ def test_the_measured_kit_is_calibrated_and_written(calibrated: rd.CalibratedMac
     assert rd.read_machine(tmp_path / "kit.yaml") == calibrated.machine
 
 
+def test_where_it_cannot_be_written_is_told_in_a_line(calibrated: rd.CalibratedMachine, tmp_path: Path) -> None:
+    wrong: dict[Any, str] = {
+        tmp_path / "none/kit.yaml": f"cannot be written: there is no folder {tmp_path / 'none'}, make it first",
+        tmp_path: "cannot be written: Is a directory",
+        7: "file is a int: give the path of the document to write",
+    }
+    for file, words in wrong.items():
+        with pytest.raises(NotCalibrated, match=re.escape(words)) as raised:
+            calibrated.write(file)
+        assert "\n" not in str(raised.value)
+
+
+def test_what_was_calibrated_is_a_table(calibrated: rd.CalibratedMachine) -> None:
+    frame, calibration = calibrated.to_frame(), calibrated.machine.calibration
+    assert calibration is not None
+    assert len(frame) == len({one.removesuffix(".real").removesuffix(".imaginary") for one in calibration.parameters})
+    gain = frame.loc["probe.P2X.gain"]
+    assert abs(complex(gain["value"], gain["imaginary"])) == pytest.approx(0.539, abs=0.001), "as the text says"
+    assert gain["lower"] < 0.539 < gain["upper"]
+    stiffness, row = frame.loc["bearing.B1.kxx"], calibration.parameters.index("bearing.B1.kxx")
+    assert math.log(stiffness["value"]) == pytest.approx(calibration.values[row])
+    assert stiffness["standard_error"] == pytest.approx(stiffness["value"] * calibration.covariance[row][row] ** 0.5)
+    assert list(frame.loc[["bearing.B1.kxx", "disc.D1.unbalance", "probe.P1X.run_out"], "unit"]) == ["N/m", "kg m", "m"]
+    assert list(frame["quantity"].unique()) == ["stiffness", "damping", "unbalance", "scale factor", "gain", "run-out"]
+
+
 def test_the_model_of_a_calibrated_machine_moves_as_the_kit_did(calibrated: rd.CalibratedMachine) -> None:
     # With 3 g mm beside its own 30 the second probe showed 0.365 mil peak at 1004 r/min, by a chain that shows 0.540 of it.
     predicted = rd.model(calibrated.machine).response([1004.0])
-    assert predicted.amplitude[0, 2] == pytest.approx(0.365 * 25.4e-6 / 0.540, rel=0.15)
-    assert 0.01 < predicted.lower[0, 2] / predicted.upper[0, 2] < 0.99
+    assert predicted.amplitude_um_pp[0, 2] == pytest.approx(2 * 0.365 * 25.4 / 0.540, rel=0.15)
+    assert 0.01 < predicted.lower_um_pp[0, 2] / predicted.upper_um_pp[0, 2] < 0.99
 
 
 def test_what_a_later_run_has_gained_is_reported_for_a_calibrated_machine_only(

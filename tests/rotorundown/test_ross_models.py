@@ -47,7 +47,7 @@ def test_its_critical_speeds_follow() -> None:
     inertia = np.pi * 0.05**4 / 64
     shaft = 48 * 211e9 * inertia / 1.0**3
     above = np.sqrt(1 / (1 / shaft + 1 / 1.8e6) / 32.6)
-    assert 0.6 * above < first.speed < 1.2 * above
+    assert 0.6 * above < first.speed_rpm * np.pi / 30 < 1.2 * above
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,7 @@ def test_what_is_there_is_read_as_rows(service: rd.Service) -> None:
     (alert,) = service.alerts(only_open=True)
     assert (alert.element, alert.severity) == ("coupling.C1", "alert")
     assert "Misalignment of coupling C1" in repr(service.alerts(KEY.machine))
+    assert service.alerts(KEY.machine)._repr_html_().startswith("<pre>AlertEntry(id=1, machine=&#x27;")
 
 
 MISNAMED: dict[str, tuple[Callable[[Any], Any], str]] = {

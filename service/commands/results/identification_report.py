@@ -1,7 +1,6 @@
 """Renders identifications, advice, the unbalance gained since a calibration and comparisons as text for a terminal."""
 
 import cmath
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +9,6 @@ from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import CONFIDENCE_95, Estimate
 from estimator.fit.identification import Identification
 from estimator.identification.experiment_design import Benefit, helpful_probes, helpful_speeds
-from estimator.identification.model_comparison import ModelComparison
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
@@ -18,13 +16,10 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
-from rotorundown.estimate_summary import ERRORS, REFUSED_VALUES, element_lines, sample_words
+from rotorundown.summaries.estimate_summary import ERRORS, REFUSED_VALUES, element_lines, sample_words
+from rotorundown.summaries.estimate_words import GRAM_MILLIMETRES, angle_half_words, estimate_words
 
 CANDIDATE_SPEEDS = 60
-GRAM_MILLIMETRES = 1e6
-"""g mm per kg m."""
-MICROMETRES = 1e6
-"""µm per m."""
 EXPLAINED = 2.0
 """Largest χ²/dof at which the regression's values count as explaining a run."""
 
@@ -59,7 +54,7 @@ def identification_text(machine: Machine, result: Identification, *, every: bool
 
 def _parameter_lines(estimates: Sequence[Estimate]) -> list[str]:
     width = max(len(estimate.name) for estimate in estimates)
-    return [ERRORS, *(f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in estimates)]
+    return [ERRORS, *(f"{estimate.name:<{width}}  {estimate_words(estimate)}" for estimate in estimates)]
 
 
 def _summary_lines(estimates: Sequence[Estimate]) -> list[str]:
@@ -95,7 +90,7 @@ def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int, beyon
         half = CONFIDENCE_95 * since.standard_error(place) * GRAM_MILLIMETRES
         size, open_angle = abs(value) * GRAM_MILLIMETRES, since.angle_error_deg(place)
         reading = _reading(complex(value), scale, direction)
-        angle = f"{reading} ± {open_angle:.1f}°" if open_angle < 180.0 else f"{reading}°, which is left open"
+        angle = f"{reading} ± {angle_half_words(open_angle)}°" if open_angle < 180.0 else f"{reading}°, which is left open"
         lines.append(f"  {disc:<12} {size:9.3f} ± {half:.3f} g mm at {angle}")
     return "\n".join(lines)
 
@@ -140,22 +135,6 @@ def regression_text(found: PublishedEstimate) -> str:
     return "\n".join(lines + [f"{name:<{width}}  {value:+.4e} {unit}" for name, value, unit in rows])
 
 
-def comparison_text(comparison: ModelComparison, baseline: Identification) -> str:
-    """Return the verdict, the compared models and the best one's values at the coupling, beside those of the baseline."""
-    lines = [comparison.verdict, "", "Compared models, the likeliest first: the smaller the criterion, the likelier"]
-    lines += [
-        f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
-        for view in comparison.views
-    ]
-    best = comparison.views[0].identification
-    shown = [one for one in best.estimates if one.element in comparison.elements and one.quantity != "unbalance"]
-    if shown:
-        lines += ["", f"At the coupling, by the model '{comparison.views[0].name}': the later value, and the baseline's"]
-    before = {one.name: f"; before {one.value:+.4e}" for one in baseline.estimates if one.value is not None}
-    width = max((len(one.name) for one in shown), default=0)
-    return "\n".join(lines + [f"  {one.name:<{width}}  {_value(one)}{before.get(one.name, '')}" for one in shown])
-
-
 def slow_roll_text(machine: Machine, found: Capture) -> str:
     """Return the vectors of a capture, a line per channel, with the reasons of channels without one."""
     speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} r/min"
@@ -169,39 +148,3 @@ def slow_roll_text(machine: Machine, found: Capture) -> str:
             lag = round(float(-np.degrees(np.angle(vector))) % 360.0, 1) % 360.0  # not 360.0 for nearly a full turn
             lines.append(f"  {channel:<{width}}  {abs(vector) / scale:8.3f} ± {error / scale:.2g} µm pp, lag {lag:6.1f}°")
     return "\n".join(lines)
-
-
-def _value(estimate: Estimate) -> str:
-    if estimate.value is None or estimate.standard_error is None:
-        return f"not estimable: {estimate.reason}" if estimate.sought else str(estimate.reason)
-    if estimate.imaginary is not None and estimate.imaginary_standard_error is not None:
-        if estimate.quantity == "unbalance":
-            return _unbalance(complex(estimate.value, estimate.imaginary), estimate)
-        return (
-            f"{estimate.value:+.4e} ± {estimate.standard_error:.1e}  "
-            f"{estimate.imaginary:+.4e}j ± {estimate.imaginary_standard_error:.1e} {estimate.unit}"
-        )
-    if estimate.quantity == "elevation":  # may be zero, so that a part of it says nothing
-        return f"{MICROMETRES * estimate.value:+.3g} ± {MICROMETRES * estimate.standard_error:.2g} µm"
-    percent = _per_cent(estimate.standard_error, estimate.value)
-    if estimate.quantity == "clearance":
-        value, error = MICROMETRES * estimate.value, MICROMETRES * estimate.standard_error
-        return f"{value:.4g} ± {error:.2g} µm ({percent})"
-    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
-    return f"{estimate.value:+.4e} ± {estimate.standard_error:.1e}{unit} ({percent})"
-
-
-def _per_cent(error: float, value: float) -> str:
-    """Return an error in per cent of its value, without a power of ten."""
-    if error >= 10.0 * abs(value):
-        return "over 1000 %"
-    percent = 100.0 * error / abs(value)
-    return f"{percent:.0f} %" if percent >= 99.5 else f"{percent:.2g} %"
-
-
-def _unbalance(value: complex, estimate: Estimate) -> str:
-    """Return an unbalance in g mm at degrees from the keyphasor mark, +x to +y, with the larger error of its two parts."""
-    error = max(estimate.standard_error or 0.0, estimate.imaginary_standard_error or 0.0)
-    open_angle = math.degrees(math.asin(min(error / abs(value), 1.0))) if value else 180.0
-    size, half = GRAM_MILLIMETRES * abs(value), GRAM_MILLIMETRES * error
-    return f"{size:.4g} ± {half:.2g} g mm at {math.degrees(cmath.phase(value)) % 360.0:.1f} ± {open_angle:.1f}°"

@@ -37,7 +37,7 @@ def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
         _coupling_loads(model, speed),
         _balance(model, grade, speed),
         _correction(model, speed),
-        _impact_test(model),
+        impact_test_lines(model),
     )
     return "\n\n".join("\n".join(part) for part in map(list, parts) if part)
 
@@ -111,7 +111,15 @@ def _balancing_speeds(model: UpdatedModel, speed: float) -> Floats:
     return np.linspace(lowest, min(max(speed, lowest), highest), 30)
 
 
-def _impact_test(model: UpdatedModel) -> Iterator[str]:
+def impact_test_lines(model: UpdatedModel) -> Iterator[str]:
+    """Yield the frequencies of a document's impact test beside those of a model; nothing where there is no test.
+
+    Args:
+        model: The model.
+
+    Yields:
+        A heading and a line per frequency.
+    """
     if model.machine.impact_test is None:
         return
     found = compare_impact_test(model, measured_frequencies(model.machine.impact_test))

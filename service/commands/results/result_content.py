@@ -17,7 +17,6 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm
-from estimator.updated_model.modal_uncertainty import critical_speed_errors
 from estimator.updated_model.uncertainty import PhasorBand
 from rotorundown.machine_model import Model
 
@@ -81,22 +80,11 @@ def since_content(since: UnbalanceSince, scale: DiscScale, *, direction: int) ->
 
 def model_content(model: Model, *, service_rpm: float, grade: float) -> dict[str, Any]:
     """Return critical speeds, coupling loads, residual unbalance and correction at a service speed [r/min]."""
-    critical = model.critical_speeds()
-    errors = critical_speed_errors(model.updated, critical)
-    loads = model.coupling_loads([service_rpm])
-    correction = model.balance([service_rpm])
+    loads, correction = model.coupling_loads(service_rpm).si, model.balance(service_rpm).si
     return {
         "machine": model.machine.id,
         "service_rpm": service_rpm,
-        "critical_speeds": [
-            {
-                "rpm": rad_per_s_to_rpm(one.speed),
-                "standard_error_rpm": rad_per_s_to_rpm(float(error)),
-                "log_decrement": one.log_decrement,
-                "whirl": one.whirl,
-            }
-            for one, error in zip(critical, errors, strict=True)
-        ],
+        "critical_speeds": critical_speed_content(model),
         "coupling_loads": [
             {"coupling": load.coupling, "load": name, "unit": unit, **_band(getattr(load, name))}
             for load in loads
@@ -113,7 +101,7 @@ def model_content(model: Model, *, service_rpm: float, grade: float) -> dict[str
                 "api_617": plane.api,
                 "api_permissible_g_mm": GRAM_MILLIMETRES * plane.api_permissible,
             }
-            for rotor in model.balance_grades(service_rpm, grade=grade)
+            for rotor in model.balance_grades(service_rpm, grade=grade).si[0]
             for plane in rotor.planes
         ],
         "correction_at_service_speed": [
@@ -121,6 +109,19 @@ def model_content(model: Model, *, service_rpm: float, grade: float) -> dict[str
             for disc, value in zip(correction.planes, correction.unbalance, strict=True)
         ],
     }
+
+
+def critical_speed_content(model: Model) -> list[dict[str, float]]:
+    """Return the critical speeds of a model with their standard errors."""
+    return [
+        {
+            "rpm": one.speed_rpm,
+            "standard_error_rpm": one.standard_error_rpm,
+            "log_decrement": one.log_decrement,
+            "whirl": one.whirl,
+        }
+        for one in model.critical_speeds()
+    ]
 
 
 def comparison_content(found: ModelComparison) -> dict[str, Any]:

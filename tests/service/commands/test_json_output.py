@@ -102,6 +102,21 @@ def test_a_model(recordings: tuple[str, str]) -> None:
     assert found["correction_at_service_speed"][0]["g_mm"] > 0.0
 
 
+def test_a_model_of_the_document_alone() -> None:
+    found = printed("model", PUMP, "--service-rpm", "1450")
+    assert (found["machine"], found["nominal"], found["service_rpm"]) == ("motor-pump", True, 1450.0)
+    assert "nominal values" in found["origin"]
+    speeds = [one["rpm"] for one in found["critical_speeds"]]
+    assert speeds == pytest.approx([one.speed_rpm for one in rd.model(rd.read_machine(PUMP)).critical_speeds()])
+    curves = found["campbell"]
+    assert len(curves["speed_rpm"]) == len(curves["modes"][0]["frequency_cpm"])
+    assert found["modes"][0]["speed_rpm"] == 1450.0
+    assert "coupling_loads" not in found, "no unbalance is known"
+    films = printed("model", str(EXAMPLES / "motor-compressor.yaml"))
+    assert films["whirl_from_rpm"] == pytest.approx(5097, abs=3)
+    assert films["critical_speeds"]
+
+
 def test_a_comparison_and_slow_roll(recordings: tuple[str, str]) -> None:
     found = printed("compare", PUMP, *recordings, "--coupling", "C1")
     assert found["preferred"] == "changed coefficients"

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
+import rotorundown as rd
 from estimator.calibration.calibration_runs import check_runs
 from estimator.machine.document import parse_machine
 from formats.files.document_files import read_machine
@@ -127,8 +128,35 @@ def test_a_service_speed_outside_the_range_is_refused(healthy: str) -> None:
         assert said.strip().endswith(" r/min")
 
 
-def test_without_runs_and_films_there_is_nothing_to_compute() -> None:
-    assert "a bearing says nothing of its film" in run("model", DOCUMENT, status=1)
+def test_without_runs_what_the_document_alone_gives_is_nominal() -> None:
+    text = run("model", DOCUMENT, "--service-rpm", "2500")
+    assert text.startswith("No run is given: these are the document's nominal values, nothing of them is identified\n")
+    heading = next(number for number, line in enumerate(text.splitlines()) if "r/min  ± standard error" in line)
+    first = text.splitlines()[heading + 1].split()
+    assert abs(float(first[0]) - rd.model(rd.read_machine(DOCUMENT)).critical_speeds()[0].speed_rpm) < 1.0
+    assert first[1] == "-", "without an interval"
+    assert "natural frequencies [cycles/min] over speeds" in text
+    assert re.search(r"^ +2500 +1 +\d+ ", text, re.MULTILINE), "modes at the service speed"
+    assert text.endswith("Unbalances are not known: response, loads of couplings and balance need a run\n")
+
+
+def test_without_runs_a_calibration_gives_response_and_balance(tmp_path: Path) -> None:
+    document = tmp_path / "kit.yaml"
+    calibrate = ("calibrate", "examples/rk4-rotor-kit-four-probes.yaml", "examples/recordings/rk4_unbalance_1x.csv")
+    run(*calibrate, "--output", str(document))
+    text = run("model", str(document), "--service-rpm", "1000", "--grade", "6.3")
+    assert text.startswith("No run is given: these are the values of the document's calibration, all others are nominal\n")
+    for part in ("1× of the shaft at its probes", "asked for G 6.3", "unbalance to add for least vibration at 1000 r/min"):
+        assert part in text
+    assert "Nominal" not in text
+
+
+def test_without_runs_an_impact_test_is_compared(tmp_path: Path) -> None:
+    document = chapter_3_document()
+    document["impact_test"] = {"frequencies_hz": [19.0, 60.0]}
+    path = tmp_path / "tested.yaml"
+    path.write_text(yaml.safe_dump(document))
+    assert "Impact test: measured and model [Hz], deviation [%], in standard deviations" in run("model", str(path))
 
 
 def test_an_impact_test_in_the_document_is_compared(healthy: str, tmp_path: Path) -> None:
@@ -196,7 +224,7 @@ def test_views_of_misalignment_are_compared(healthy: str, tmp_path: Path) -> Non
         part["kxx"] *= 1.2
         part["kyy"] *= 1.2
     later = recorded(tmp_path, "later", of(document, seed=3))
-    text = run("compare", DOCUMENT, healthy, later, "--coupling", "C1")
+    text = run("compare", DOCUMENT, healthy, later)  # there is only one coupling
     assert text.startswith("changed coefficients: better than")
     assert "Compared models, the likeliest first" in text
     assert "by the model 'changed coefficients': the later value, and the baseline's" in text

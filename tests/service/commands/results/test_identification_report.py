@@ -6,7 +6,7 @@ from msgspec.structs import replace
 import rotorundown as rd
 from estimator.fit.estimates import Estimate
 from estimator.machine.document import parse_machine
-from rotorundown.estimate_summary import sample_words
+from rotorundown.summaries.estimate_summary import sample_words
 from service.commands.results.identification_report import identification_text
 from tests.paths import EXAMPLES
 
