@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rotorundown.machine_model import Model
     from rotorundown.plots.trend import plot_trend
     from rotorundown.result import Result
-    from rotorundown.ross_models import read_ross_model
+    from rotorundown.ross.models import read_ross_model
     from rotorundown.runs import MachineRun, read_run
     from rotorundown.service_client import Service
     from rotorundown.service_requests import ServiceError
@@ -78,7 +78,7 @@ _PLACES = {
     "model": "rotorundown.updated_models",
     "plot_trend": "rotorundown.plots.trend",
     "read_machine": "rotorundown.machine_files",
-    "read_ross_model": "rotorundown.ross_models",
+    "read_ross_model": "rotorundown.ross.models",
     "read_run": "rotorundown.runs",
     "simulate": "rotorundown.simulation",
 }

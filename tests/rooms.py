@@ -78,11 +78,13 @@ rotorundown/plots: estimator estimator/fit estimator/fit/omitted_errors estimato
     estimator/phasors estimator/statics estimator/updated_model rotorundown/environment
 rotorundown/summaries: estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/identification estimator/machine estimator
+rotorundown/ross: estimator estimator/machine estimator/machine/checks
 rotorundown/model_results: estimator estimator/modes estimator/rotor estimator/updated_model rotorundown/environment
 rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/identification estimator/machine estimator/machine/checks estimator/phasors
     estimator/simulation estimator/statics estimator/updated_model formats/files formats/recordings formats/wire
-    rotorundown/environment rotorundown/model_results rotorundown/plots rotorundown/summaries storage storage/encoding
+    rotorundown/environment rotorundown/model_results rotorundown/plots rotorundown/ross rotorundown/summaries storage
+    storage/encoding
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage

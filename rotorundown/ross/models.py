@@ -18,8 +18,8 @@ from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
 from estimator.machine.parts import Probe
 from estimator.units import RAD_PER_S
-from rotorundown.ross_shafts import one_shaft
-from rotorundown.ross_tables import NotInROSS, float_of, number_of, require_zero
+from rotorundown.ross.shafts import one_shaft
+from rotorundown.ross.tables import NotInROSS, float_of, number_of, require_zero
 
 SHAFT = "S1"
 LATERAL = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rotorundown.ross_tables import NotInROSS, float_of, number_of, require_zero
+from rotorundown.ross.tables import NotInROSS, float_of, number_of, require_zero
 
 SAME = 1e-9
 """Difference of two lengths that are the same [m]."""

@@ -8,7 +8,7 @@ import pytest
 
 import rotorundown as rd
 from estimator.machine.document import Machine
-from rotorundown.ross_models import WrongROSSModel
+from rotorundown.ross.models import WrongROSSModel
 from tests.paths import DATA
 
 FILE = DATA / "ross-rotor.toml"
