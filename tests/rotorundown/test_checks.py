@@ -1,6 +1,7 @@
 """Checks of machines and runs from Python: the same as the command prints."""
 
 import pytest
+from msgspec.structs import replace
 
 import rotorundown as rd
 from estimator.machine.document import Machine
@@ -17,7 +18,7 @@ def test_a_machine_and_its_run_without_a_fault(pump: Machine, run: rd.MachineRun
     assert rd.check(pump).runs == ()
 
 
-def test_what_is_probably_a_mistake_is_named_and_once_more_beside_a_refused_fit(run: rd.MachineRun) -> None:
+def test_what_is_probably_a_mistake_is_named_and_once_more_beside_a_refused_fit(result: rd.Result) -> None:
     said = rd.read_machine(EXAMPLES / "motor-pump.yaml").model_dump()
     for probe in said["probes"]:
         probe["angle_deg"] = 2.35619 if probe["angle_deg"] > 90.0 else 0.785398
@@ -25,9 +26,9 @@ def test_what_is_probably_a_mistake_is_named_and_once_more_beside_a_refused_fit(
     words = "probes[0].angle_deg: 2.35619 °: probes mostly stand at multiples of 15°; was 2.35619 rad meant, 135 °?"
     assert words in [str(one) for one in rd.check(radians).warnings]
     assert f"warning: {words}" in str(rd.check(radians))
-    refused = rd.identify(radians, run)
-    assert not refused.accepted
-    assert "was 0.785398 rad meant" in " ".join(str(refused).split())
+    assert "rad meant" not in str(replace(result, machine=radians))
+    refused = replace(result, machine=radians, identification=replace(result.identification, accepted=False))
+    assert "document: probes[0].angle_deg: 2.35619 °: probes mostly stand" in " ".join(str(refused).split())
 
 
 def test_what_is_no_run_or_no_machine_any_more_is_named(pump: Machine) -> None:
