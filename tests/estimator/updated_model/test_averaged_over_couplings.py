@@ -205,7 +205,7 @@ def test_loads_of_a_train_whose_coupling_is_open_are_those_of_drawn_trains() -> 
     assert sum(one.value for one in loads) == pytest.approx(np.sum(np.mean(drawn, axis=0)), rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", [26, 34])
+@pytest.mark.parametrize("seed", [26, pytest.param(34, marks=pytest.mark.long)])
 def test_loads_of_trains_whose_couplings_the_data_leave_open_hold(seed: int) -> None:
     """To first order loads of these were off by 5 and 6.5 standard errors."""
     plant = other_mixed_plant(seed, discrepancy=DiscrepancySize())

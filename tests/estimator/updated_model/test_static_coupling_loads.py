@@ -64,6 +64,7 @@ def test_moments_are_about_the_coupling_and_turn_as_angles_do() -> None:
     assert found["coupling.C1.static_moment_vertical"] == pytest.approx(-rigid.moment[1] - about)
 
 
+@pytest.mark.long
 def test_errors_are_those_of_differences_and_units_known_by_the_document_alone() -> None:
     believed = before(expected_model(machine_of("rigid")))
     model = replace(believed, covariance=0.01 * believed.covariance)

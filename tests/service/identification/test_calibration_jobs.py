@@ -75,7 +75,7 @@ def asked(rig: MiscalibratedPump) -> list[dict[str, object]]:
     return found
 
 
-@pytest.mark.parametrize("with_slow_roll", [False, True])
+@pytest.mark.parametrize("with_slow_roll", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_calibration_is_computed_kept_and_put_in_force(
     database: Database, api: Api, executor: LocalExecutor, *, with_slow_roll: bool
 ) -> None:

@@ -79,7 +79,9 @@ _PARTS = [f"{quantity}.{part}" for quantity in ("gain", "run_out") for part in (
 
 
 @pytest.mark.parametrize(
-    ("two", "errors"), [((1, 4), {"run_out": RUN_OUT}), ((3, 6), {"gain": 0.8})], ids=["run-outs", "gains"]
+    ("two", "errors"),
+    [pytest.param((1, 4), {"run_out": RUN_OUT}, marks=pytest.mark.long), ((3, 6), {"gain": 0.8})],
+    ids=["run-outs", "gains"],
 )
 def test_a_refused_fit_tells_the_errors_of_two_channels_that_explain_it(
     two: tuple[int, int], errors: dict[str, complex]
