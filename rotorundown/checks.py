@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+import numpy as np
 from msgspec import Struct
 
 from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
@@ -21,13 +22,27 @@ class CheckedRun(Struct, frozen=True, eq=False):
     Attributes:
         run: The run.
         quality: What is wrong with its phasors, and which of them a fit leaves out.
+        direction: Sense in which the document says that the machine turns: 1 from +x towards +y, -1 the other way [-].
     """
 
     run: MachineRun
     quality: Quality
+    direction: int
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Return what is wrong with the run, or doubtful."""
+        turning = float(np.sign(np.sum(self.run.measurement.direction)))
+        if turning == -self.direction:
+            senses = ("negative", "positive") if turning < 0.0 else ("positive", "negative")
+            words = (
+                f"its direction is {senses[0]}, the document's rotation {senses[1]}: one of them is wrong, or it ran backwards"
+            )
+            return (words, *self.quality.findings)
+        return tuple(self.quality.findings)
 
     def __str__(self) -> str:
-        found = [*self.quality.findings, *([self.quality.words] if self.quality.words else [])]
+        found = [*self.findings, *([self.quality.words] if self.quality.words else [])]
         return "\n".join([str(self.run), *(f"{self.run.name}: {words}" for words in found)])
 
     __repr__ = __str__
@@ -106,4 +121,4 @@ def checked_run(machine: Machine, run: MachineRun) -> CheckedRun:
     Returns:
         Both.
     """
-    return CheckedRun(run, assess(run.recorded, noise=machine.noise, rules=machine.quality))
+    return CheckedRun(run, assess(run.recorded, noise=machine.noise, rules=machine.quality), machine.direction)

@@ -97,6 +97,6 @@ def _read(file: Path, machine: "Machine", *, as_json: bool) -> dict[str, Any]:
         "samples": len(checked.run),
         "units": checked.run.units,
         "left_out": checked.run.left_out,
-        "findings": checked.quality.findings,
+        "findings": checked.findings,
         "unusable_phasors": checked.quality.counts,
     }

@@ -36,3 +36,12 @@ def test_what_is_no_run_or_no_machine_any_more_is_named(pump: Machine) -> None:
         rd.check(pump, ["run.csv"])  # type: ignore[list-item]
     with pytest.raises(WrongMachine, match="this is no machine"):
         rd.check(pump.model_copy(update={"bearings": ()}))
+
+
+def test_a_run_that_turns_the_other_way_than_the_document_says_is_named(pump: Machine, run: rd.MachineRun) -> None:
+    backwards = rd.read_machine(pump.model_dump() | {"rotation": "negative"})
+    (checked,) = rd.check(backwards, run).runs
+    words = "its direction is positive, the document's rotation negative: one of them is wrong, or it ran backwards"
+    assert checked.findings[0] == words
+    assert f"{run.name}: {words}" in str(checked)
+    assert words not in rd.check(pump, run).runs[0].findings
