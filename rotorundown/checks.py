@@ -11,7 +11,7 @@ from estimator.machine.film_speeds import slowest_rpm
 from estimator.phasors.quality import Quality, assess
 from estimator.statics.whirl_in_range import instability_words
 from rotorundown.environment.notebook_text import notebook_text
-from rotorundown.machine_files import checked_machine
+from rotorundown.machine_files import WrongMachine, checked_machine
 from rotorundown.run_columns import WrongRun
 from rotorundown.runs import MachineRun
 
@@ -86,12 +86,17 @@ def check(machine: Machine, runs: MachineRun | Iterable[MachineRun] = ()) -> Che
 
     Raises:
         WrongMachine: Something in the machine is wrong; the message names each wrong field.
-        WrongRun: Something that is given is no run.
+        WrongRun: Something that is given is no run, or one of another machine.
     """
-    those = [runs] if isinstance(runs, MachineRun) else list(runs)
+    if not isinstance(machine, Machine):
+        raise WrongMachine(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
+    those = [runs] if isinstance(runs, MachineRun) or not isinstance(runs, Iterable) else list(runs)
     for one in those:
         if not isinstance(one, MachineRun):
             raise WrongRun(f"one of runs is a {type(one).__name__}: read it first, with read_run(…, machine=machine)")
+        if one.channels != machine.channels:
+            known = f"machine '{machine.id}' has {', '.join(machine.channels)}"
+            raise WrongRun(f"run '{one.name}' has the channels {', '.join(one.channels)}, {known}: read it with this machine")
     checked = checked_machine(machine)
     return Checked(checked, all_warnings(checked), tuple(checked_run(checked, one) for one in those))
 

@@ -15,6 +15,7 @@ from estimator.identification.model_comparison import ModelComparison, compare_m
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
 from estimator.phasors.measurement import joined
+from rotorundown.copied_runs import copied_run, copy_words
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.environment.optional_packages import optional_package
@@ -84,13 +85,16 @@ def compare(baseline: Result, runs: MachineRun | Iterable[MachineRun], *, coupli
 
     Raises:
         NotComparable: The baseline, or on oil films the later run, is not accepted, the machine has no such coupling, there is
-            no later run, or it was not read with this machine, or on oil films the two say nothing of its alignment together.
+            no later run, one was not read with this machine or is a copy, or on oil films the two say nothing together of its
+            alignment.
         NotIdentified: The baseline is no result of `identify`.
     """
     require_result(baseline, "the baseline")
     machine = baseline.machine
     coupling = compared_coupling(machine, coupling)
     several = _later_runs(machine, runs)
+    if copied := copied_run([*baseline.runs, *several]):
+        raise NotComparable(copy_words(copied))
     if not baseline.accepted:
         raise NotComparable(f"the baseline is not accepted: {baseline.verdict}")
     if follows_films(machine):

@@ -1,5 +1,7 @@
 """Result of an identification: estimates by name, as a table, as text that fits a screen, and as plots."""
 
+import cmath
+import math
 from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -33,6 +35,10 @@ CANDIDATE_SPEEDS = 60
 ALL_PARAMETERS = "All parameters: to_frame(); one of them: result['NAME']"
 COLUMNS = ("element", "quantity", "value", "standard_error", "lower", "upper", "imaginary", "imaginary_standard_error", "unit")
 """Columns of a table of estimates, beside `reason`."""
+
+
+OF_VECTORS = ("magnitude", "angle_deg")
+"""Columns that vectors have besides."""
 
 
 class NotIdentified(Invalid):
@@ -125,11 +131,15 @@ class Result(Struct, frozen=True, eq=False, dict=True):
         return helpful_probes(self.machine, self.identification, measured, count=count)
 
     def to_frame(self) -> Any:
-        """Return a pandas DataFrame with a row per parameter, in SI units. Raises PackageMissing without pandas."""
+        """Return a pandas DataFrame with a row per parameter, in SI units.
+
+        Of a vector, such as an unbalance, `value` and `imaginary` are its parts; `lower` and `upper` bound its `magnitude`,
+        which lies at `angle_deg` from the keyphasor mark. Raises PackageMissing without pandas.
+        """
         pandas = optional_package("pandas", needed_for="data frames")
-        rows = [[getattr(one, column) for column in (*COLUMNS, "reason")] for one in self.identification.estimates]
+        rows = [_row(one) for one in self.identification.estimates]
         names = pandas.Index(list(self), name="parameter")
-        return pandas.DataFrame(rows, index=names, columns=[*COLUMNS, "reason"])
+        return pandas.DataFrame(rows, index=names, columns=[*COLUMNS, *OF_VECTORS, "reason"])
 
     def plot_bode(self, channels: list[str] | str | None = None) -> "Figure":
         """Plot measured and fitted 1× amplitude and phase of some channels over speed, with the fit's 95 % band."""
@@ -185,3 +195,11 @@ class Result(Struct, frozen=True, eq=False, dict=True):
     def _repr_html_(self) -> str:
         """Return the text for a notebook; names come from documents, so everything is escaped."""
         return notebook_text(self)
+
+
+def _row(one: Estimate) -> list[Any]:
+    known = [getattr(one, column) for column in COLUMNS]
+    if one.value is None or one.imaginary is None:
+        return [*known, None, None, one.reason]
+    vector = complex(one.value, one.imaginary)
+    return [*known, abs(vector), math.degrees(cmath.phase(vector)) % 360.0, one.reason]

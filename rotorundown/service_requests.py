@@ -8,10 +8,16 @@ from collections.abc import Iterator, Mapping
 from http.client import HTTPException, HTTPResponse
 from typing import Any
 
+from estimator.errors import Invalid
+
 PREFIX = "/api/v1"
 TIMEOUT_S = 60.0
 LONGEST_REASON = 300
 """Most characters that are shown of an answer that is not the service's own."""
+
+
+class WrongAddress(Invalid):
+    """Raised for what is no address of a service."""
 
 
 class ServiceError(RuntimeError):
@@ -40,7 +46,7 @@ class Requests:
         url = str(url)
         parts = urllib.parse.urlsplit(url)
         if parts.scheme not in ("http", "https") or not parts.netloc:
-            raise ValueError(f"'{url}' is no address of a service: it is written as http://localhost:8080")
+            raise WrongAddress(f"'{url}' is no address of a service: it is written as http://localhost:8080")
         self.url = url.rstrip("/")
         self._headers = {"Accept": "application/json"} | ({} if key is None else {"Authorization": f"Bearer {key}"})
         self._opener = urllib.request.build_opener(_NoRedirects)

@@ -15,7 +15,7 @@ from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from estimator.updated_model.balancing import Correction, balance
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.vector_angle import angle_deg
-from rotorundown.model_results.origin import origin_notes
+from rotorundown.model_results.origin import origin_notes, require_unbalance
 from rotorundown.model_results.result_tables import Cells, RowTable, figure
 from rotorundown.model_results.vibration import PredictedVibration, whole_degrees
 
@@ -70,14 +70,16 @@ class BalanceCorrection(RowTable[CorrectionRow]):
 def balance_correction(model: UpdatedModel, speed_rpm: Floats, *, planes: Any) -> BalanceCorrection:
     """Return the correction that leaves least vibration at speeds (S,) [r/min]. planes: discs; None for all.
 
-    Raises WrongPlane.
+    Raises WrongPlane, UnbalanceUnknown.
     """
-    found = balance(model, planes=_discs(model, planes), speed=speed_rpm * RAD_PER_S["rpm"])
+    discs = _discs(model, planes)
+    require_unbalance(model)
+    found = balance(model, planes=discs, speed=speed_rpm * RAD_PER_S["rpm"])
     rows = [
         CorrectionRow(disc, float(abs(value)) / GRAM_MILLIMETRE, float(angle))
         for disc, value, angle in zip(found.planes, found.unbalance, angle_deg(found.unbalance), strict=True)
     ]
-    origin, machine = origin_notes(model, forced=True), model.machine.id
+    origin, machine = origin_notes(model), model.machine.id
     before, after = (
         PredictedVibration(
             f"{machine}: 1× {when} the correction [µm peak-to-peak, phase lag]", found.channels, speed_rpm, band, origin

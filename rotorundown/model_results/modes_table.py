@@ -6,12 +6,16 @@ import msgspec
 
 from estimator.arrays import Floats
 from estimator.modes.eigenmodes import Modes, log_decrement
+from estimator.rotor.assembly import PEDESTAL_TILT
 from estimator.rotor.whirl import whirl
 from estimator.units import RAD_PER_S, rpm_to_rad_per_s
 from estimator.updated_model.modal_uncertainty import modes_at, natural_frequency_errors
 from estimator.updated_model.model import HIGHEST_FREQUENCY, UpdatedModel
 from rotorundown.model_results.origin import origin_notes
 from rotorundown.model_results.result_tables import Cells, RowTable, error_figure
+
+TILTING_CPM = 0.99 * PEDESTAL_TILT / RAD_PER_S["rpm"]
+"""Frequency from which modes are those of tilts that pedestals do not have [cycles/min]."""
 
 
 class ModeRow(msgspec.Struct, frozen=True):
@@ -42,7 +46,7 @@ class ModesTable(RowTable[ModeRow]):
 
     Attributes:
         title: Title of the table.
-        rows: The modes.
+        rows: The modes of the train.
         si: The estimator's own modes for each speed, in SI units, with shapes.
         printed_cpm: Frequency up to which modes are printed [cycles/min]; the frame has all.
         notes: Notes on where they come from.
@@ -88,4 +92,5 @@ def _rows(model: UpdatedModel, rpm: float, found: Modes) -> list[ModeRow]:
         log_decrement(found.eigenvalue),
         senses,
     )
-    return [ModeRow(rpm, number, *map(float, row)) for number, row in enumerate(zip(*columns, strict=True), 1)]
+    rows = enumerate(zip(*columns, strict=True), 1)
+    return [ModeRow(rpm, number, *map(float, row)) for number, row in rows if row[0] < TILTING_CPM]

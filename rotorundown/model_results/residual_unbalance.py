@@ -11,7 +11,7 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance, balance_grades
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.vector_angle import angle_deg
-from rotorundown.model_results.origin import origin_notes
+from rotorundown.model_results.origin import origin_notes, require_unbalance
 from rotorundown.model_results.result_tables import Cells, RowTable, figure
 from rotorundown.model_results.vibration import whole_degrees
 
@@ -87,10 +87,11 @@ class BalanceGrades(RowTable[ResidualRow]):
 def balance_grades_of(model: UpdatedModel, speed_rpm: Floats, *, grade: float) -> BalanceGrades:
     """Return the residual unbalances of a model's rotors, judged at speeds (S,) [r/min]. grade: G asked for [mm/s].
 
-    Raises WrongGrade.
+    Raises WrongGrade, UnbalanceUnknown.
     """
     if isinstance(grade, bool | str) or not isinstance(grade, int | float | np.number) or not 0.0 < float(grade) < np.inf:
         raise WrongGrade(f"grade is a balance quality grade G above 0 [mm/s], such as 2.5, not {grade!r:.40}")
+    require_unbalance(model)
     speeds = [rpm_to_rad_per_s(float(one)) for one in speed_rpm]
     found = tuple(balance_grades(model, grade=float(grade), service_speed=one, maximum_continuous_speed=one) for one in speeds)
     rows = [
@@ -100,7 +101,7 @@ def balance_grades_of(model: UpdatedModel, speed_rpm: Floats, *, grade: float) -
         for plane in rotor.planes
     ]
     title = f"{model.machine.id}: residual unbalance in bearing planes, asked for G {float(grade):g} (permissible g mm)"
-    return BalanceGrades(title, tuple(rows), found, origin_notes(model, forced=True))
+    return BalanceGrades(title, tuple(rows), found, origin_notes(model))
 
 
 def _row(rpm: float, shaft: str, plane: PlaneBalance) -> ResidualRow:

@@ -11,7 +11,7 @@ from estimator.units import METRES, PEAK, RAD_PER_S
 from estimator.updated_model.forced_response import forced_response
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import PhasorBand
-from rotorundown.model_results.origin import origin_notes
+from rotorundown.model_results.origin import origin_notes, require_unbalance
 from rotorundown.model_results.result_tables import MOST_ROWS, Cells, ResultTable, figure
 
 MICROMETRES_PP = METRES["um"] * PEAK["peak-to-peak"]
@@ -80,10 +80,11 @@ class PredictedVibration(ResultTable):
 
 
 def response_of(model: UpdatedModel, speed_rpm: Floats) -> PredictedVibration:
-    """Return the 1× response of a model at its probes at speeds (S,) [r/min], with 95 % bands."""
+    """Return the 1× response of a model at its probes at speeds (S,) [r/min], with 95 % bands. Raises UnbalanceUnknown."""
+    require_unbalance(model)
     found = forced_response(model, speed=speed_rpm * RAD_PER_S["rpm"]).band(model)
     title = f"{model.machine.id}: 1× of the shaft at its probes [µm peak-to-peak, phase lag]"
-    return PredictedVibration(title, model.machine.channels, speed_rpm, found, origin_notes(model, forced=True))
+    return PredictedVibration(title, model.machine.channels, speed_rpm, found, origin_notes(model))
 
 
 def lag_deg(value: Complexes) -> Floats:

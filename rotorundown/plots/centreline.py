@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from estimator.errors import Invalid
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.statics.journal_states import journal_states
 from estimator.units import METRES, RAD_PER_S
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 SPEEDS = 30
 
 
-class NoFilms(ValueError):
+class NoFilms(Invalid):
     """Raised for a machine whose bearings are not described by their films."""
 
 

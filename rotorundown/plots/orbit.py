@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 
 import numpy as np
 
+from estimator.errors import Invalid
 from estimator.phasors.probe_axes import probe_stations
 from rotorundown.plots.canvas import FITTED, figure
 from rotorundown.plots.fitted_curve import fitted_curve
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 POINTS = 200
 
 
-class NoOrbit(ValueError):
+class NoOrbit(Invalid):
     """Raised for a machine without two probes at different angles at any station, and for what is no speed."""
 
 

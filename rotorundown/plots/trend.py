@@ -28,7 +28,7 @@ def plot_trend(results: Sequence[PlottedResult], name: str, *, when: Sequence[An
         raise NothingToPlot("a trend is drawn of a list of results of identify(machine, runs), one at least")
     times = list(range(1, len(results) + 1)) if when is None else list(when)
     if len(times) != len(results):
-        raise ValueError(f"when has {len(times)} times for {len(results)} results")
+        raise NothingToPlot(f"when has {len(times)} times for {len(results)} results")
     estimates = [one[name] for one in results]
     known = [i for i, one in enumerate(estimates) if one.estimable and results[i].accepted]
     drawn, axes = figure(1, 1)

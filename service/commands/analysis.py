@@ -12,7 +12,7 @@ import typer
 from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
-from service.commands.file_arguments import MachineFile, RunFiles, named_file, named_files
+from service.commands.file_arguments import MachineFile, RunFiles, named_file, named_files, require_another
 from service.commands.json_output import JsonOption, print_json
 from service.commands.terminal import print_line, print_text, working
 
@@ -290,6 +290,7 @@ def compare(
     from rotorundown.summaries.comparison_summary import comparison_text
     from service.commands.results.result_content import comparison_content
 
+    require_another(baseline, files)
     described, _, healthy = identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")

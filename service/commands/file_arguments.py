@@ -28,6 +28,13 @@ def named_files(paths: list[Path] | None) -> list[Path] | None:
     return None if paths is None else [named_file(path) for path in paths]
 
 
+def require_another(baseline: Path, files: list[Path]) -> None:
+    """End the command where one of the files is a copy of the baseline."""
+    for file in files:
+        if file.is_file() and baseline.is_file() and file.read_bytes() == baseline.read_bytes():
+            fail(f"{baseline} and {file} hold the same samples: one is a copy, and tells nothing new")
+
+
 def written_beside(path: Path, name: str) -> Path:
     """Return the path of a file to write beside another; in the working folder where that one came with Rundown."""
     return Path(name) if path.is_absolute() and is_own_example(path) else path.with_name(name)

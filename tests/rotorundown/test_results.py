@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import rotorundown as rd
@@ -112,3 +113,13 @@ def test_amplitudes_in_a_larger_unit_than_is_said_are_doubted(pump: Machine, run
     found = rd.identify(pump, rd.read_run(frame, machine=pump))
     assert "times less than stated: are the noise and the unit of amplitudes right?" in found.verdict
     assert "times less than stated" not in rd.identify(pump, run).verdict
+
+
+def test_a_vector_lies_within_its_interval(result: rd.Result) -> None:
+    pytest.importorskip("pandas")
+    frame = result.to_frame()
+    vector, scalar = frame.loc["disc.core-1.unbalance"], frame.loc["coupling.C1.kxx"]
+    assert vector["lower"] < vector["magnitude"] < vector["upper"]
+    turned = vector["magnitude"] * np.exp(1j * np.radians(vector["angle_deg"]))
+    assert turned == pytest.approx(complex(vector["value"], vector["imaginary"]))
+    assert np.isnan([scalar["magnitude"], scalar["angle_deg"]]).all()

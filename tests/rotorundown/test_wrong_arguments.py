@@ -181,3 +181,21 @@ def test_what_is_given_twice_is_named(run: rd.MachineRun, result: rd.Result) -> 
         rd.diagnose([result, later], [result])
     with pytest.raises(rd.Invalid, match="baseline has one result: at least two"):
         rd.diagnose([result], [later])
+
+
+def test_what_leads_nowhere_is_an_invalid(pump: Machine, result: rd.Result, run: rd.MachineRun) -> None:
+    other = rd.read_machine(EXAMPLES / "rk4-rotor-kit-four-probes.yaml")
+    made: Any = rd
+    drawn: Any = result
+    for wrong, words in (
+        (lambda: made.check("pump.yaml"), "the machine is a str: read it first"),
+        (lambda: made.check(pump, None), "one of runs is a NoneType: read it first"),
+        (lambda: rd.check(other, run), "has the channels B1L"),
+        (lambda: rd.compare(result, result.runs), "hold the same samples: one is a copy"),
+        (lambda: drawn.plot_orbit("2980"), "speed"),
+        (lambda: result.plot_centreline(), "film"),
+        (lambda: rd.plot_trend([result], "coupling.C1.kxx", when=["a", "b"]), "when has 2 times for 1 results"),
+        (lambda: rd.Service("x"), "'x' is no address of a service"),
+    ):
+        with pytest.raises(rd.Invalid, match=words):
+            wrong()

@@ -36,6 +36,20 @@ def model(result: rd.Result) -> rd.Model:
     return rd.model(result)
 
 
+def with_unbalances(machine: Machine) -> Machine:
+    """Return the machine with an unbalance that its document states for each disc."""
+    said = machine.model_dump()
+    for disc in said["discs"]:
+        disc["unbalance"] = {"magnitude": 1e-5, "angle_deg": 30.0}
+    return rd.read_machine(said)
+
+
+def test_stated_unbalances_move_the_model_of_a_document(pump: Machine) -> None:
+    found = rd.model(with_unbalances(pump)).balance(2980)
+    assert [one.g_mm for one in found] == pytest.approx([10.0] * len(pump.discs), rel=1e-6)
+    assert [one.angle_deg for one in found] == pytest.approx([210.0] * len(pump.discs), abs=1e-3)
+
+
 def tables(model: rd.Model, speed: Any) -> list[ResultTable]:
     return [model.critical_speeds(), model.campbell(), *(compute(model, speed) for compute in AT_SPEEDS.values())]
 
@@ -157,10 +171,13 @@ def test_a_notebook_shows_each_escaped(model: rd.Model) -> None:
 
 
 def test_of_a_document_alone_each_says_that_it_is_nominal(pump: Machine) -> None:
-    for table in tables(rd.model(pump), 2980):
+    for table in tables(rd.model(with_unbalances(pump)), 2980):
         assert "Nominal: as the document alone expects, without intervals" in str(table)
-    assert "Without any unbalance" in str(rd.model(pump).response(2980))
-    assert "Without any unbalance" not in str(rd.model(pump).critical_speeds())
+    alone = rd.model(rd.read_machine(pump.model_dump(exclude={"discs": {"__all__": {"unbalance"}}})))
+    for ask in (alone.response, alone.coupling_loads, alone.balance_grades, alone.balance):
+        with pytest.raises(rd.Invalid, match=r"of 'motor-pump' no unbalance is known: identify a run first, or state"):
+            ask(2980)
+    assert len(alone.critical_speeds()) > 0
     assert {one.standard_error_rpm for one in rd.model(pump).critical_speeds()} == {0.0}
 
 
@@ -169,7 +186,7 @@ def test_of_an_identified_machine_none_is_nominal(model: rd.Model) -> None:
 
 
 def test_a_train_without_couplings_says_so() -> None:
-    rotor = rd.read_machine("examples/rk4-rotor-kit-four-probes.yaml")
+    rotor = with_unbalances(rd.read_machine("examples/rk4-rotor-kit-four-probes.yaml"))
     assert str(rd.model(rotor).coupling_loads(1000)).endswith("  none")
 
 

@@ -128,7 +128,7 @@ def test_a_service_speed_outside_the_range_is_refused(healthy: str) -> None:
         assert said.strip().endswith(" r/min")
 
 
-def test_without_runs_what_the_document_alone_gives_is_nominal() -> None:
+def test_without_runs_what_the_document_alone_gives_is_nominal(tmp_path: Path) -> None:
     text = run("model", DOCUMENT, "--service-rpm", "2500")
     assert text.startswith("No run is given: these are the document's nominal values, nothing of them is identified\n")
     heading = next(number for number, line in enumerate(text.splitlines()) if "r/min  ± standard error" in line)
@@ -137,6 +137,10 @@ def test_without_runs_what_the_document_alone_gives_is_nominal() -> None:
     assert first[1] == "-", "without an interval"
     assert "natural frequencies [cycles/min] over speeds" in text
     assert re.search(r"^ +2500 +1 +\d+ ", text, re.MULTILINE), "modes at the service speed"
+    assert "asked for G 2.5" in text, "by the unbalances that the document states"
+    said = rd.read_machine(DOCUMENT).model_dump(mode="json", exclude={"discs": {"__all__": {"unbalance"}}}, exclude_none=True)
+    (tmp_path / "unknown.yaml").write_text(yaml.safe_dump(said))
+    text = run("model", str(tmp_path / "unknown.yaml"), "--service-rpm", "2500")
     assert text.endswith("Unbalances are not known: response, loads of couplings and balance need a run\n")
 
 
