@@ -4,6 +4,7 @@ Sources of samples declare units by their own names alone; these are for tables,
 """
 
 from collections.abc import Iterable
+from itertools import product
 from typing import Any
 
 from estimator.close_matches import close_names
@@ -72,6 +73,29 @@ def declared_unit(field: str, name: Any) -> Any:
         The unit; what was given where it names none.
     """
     return _MEANT[field].get(_plain(name), name) if isinstance(name, str) else name
+
+
+def stated_units(text: str, fields: Iterable[str]) -> dict[str, str] | None:
+    """Return the units that a text such as `µm pp` states.
+
+    Args:
+        text: What stands in a header's brackets, or below it in a line of units.
+        fields: Fields that may be stated, of `UNIT_NAMES`.
+
+    Returns:
+        The unit of each field that it states; None where a part of the text is no unit, or states a field twice.
+    """
+    fields, rest = tuple(fields), text.replace("_", " ").replace(",", " ").split()
+    meant: dict[str, str] = {}
+    while rest:
+        for size, field in product(range(len(rest), 0, -1), fields):
+            unit = declared_unit(field, " ".join(rest[:size]))
+            if unit in UNIT_NAMES[field] and meant.get(field, unit) == unit:
+                break
+        else:
+            return None
+        meant[field], rest = unit, rest[size:]
+    return meant
 
 
 def unknown_unit(field: str, name: Any, units: Iterable[str]) -> str:

@@ -35,8 +35,6 @@ from rotorundown.run_units import TableUnits, standard_names
 from storage.clock import now
 from storage.encoding.sample_blocks import Samples
 
-FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
-"""Columns whose names give the unit of the speed."""
 ROW_NUMBERS = "Unnamed: "
 """Beginning of the name that pandas gives to a column without one."""
 LIKE_TIMES = ("time", "date", "seconds")
@@ -83,10 +81,7 @@ class RunTable(Struct, frozen=True, eq=False):
 
     def samples(self, machine: Machine, units: TableUnits, name: str) -> tuple[Samples, tuple[str, ...]]:
         """Return the run's good samples in SI, and what was left out. Raises WrongRun, Rejected."""
-        speed_column = self._first(SPEED_COLUMNS, "the speed")
-        if FIXED_UNITS.get(speed_column, units.speed) != units.speed:
-            raise WrongRun(f"column '{speed_column}' is in {FIXED_UNITS[speed_column]}, but speed_unit says {units.speed}")
-        speed = self.columns[speed_column]
+        speed = self.columns[self._first(SPEED_COLUMNS, "the speed")]
         _require_speed_unit(machine, speed, units)
         channels = self._channels(machine)
         amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])

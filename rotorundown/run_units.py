@@ -1,13 +1,13 @@
 """Units of a table: as whoever reads it says them, and as headers such as `B1L Amplitude (µm pp)` state them."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from msgspec import Struct
 
 from estimator.machine.speed_units import NAMES
-from estimator.unit_names import declared_unit, unknown_unit
+from estimator.unit_names import declared_unit, stated_units, unknown_unit
 from estimator.units import AmplitudeKind, AmplitudeUnit, PhaseConvention, PhaseUnit, SpeedUnit
 from rotorundown.run_columns import AMPLITUDE_ENDS, GAP_END, PHASE_ENDS, SPEED_COLUMNS, WrongRun
 
@@ -25,9 +25,15 @@ OF_AMPLITUDE, OF_PHASE = ("amplitude_unit", "amplitude_kind"), ("phase_unit", "p
 ENDS = (
     {one.removeprefix("_"): (one, OF_AMPLITUDE) for one in AMPLITUDE_ENDS}
     | {one.removeprefix("_"): (one, OF_PHASE) for one in PHASE_ENDS}
-    | {GAP_END.removeprefix("_"): (GAP_END, ()), "amp": (AMPLITUDE_ENDS[0], OF_AMPLITUDE)}
+    | {"amp": (AMPLITUDE_ENDS[0], OF_AMPLITUDE)}
 )
 """End of a standard name, and what its unit may state, by the words behind a channel in a header."""
+FIXED_UNITS = {
+    "rpm": {"speed_unit": "rpm"},
+    AMPLITUDE_ENDS[1]: {"amplitude_unit": "um", "amplitude_kind": "peak-to-peak"},
+    PHASE_ENDS[1]: {"phase_unit": "deg", "phase_convention": "lag"},
+}
+"""Units that standard names give, by their ends."""
 
 
 class TableUnits(Struct, frozen=True):
@@ -74,30 +80,42 @@ def standard_names(headers: Sequence[str], channels: Sequence[str], units: Table
     """
     folded = [_folded(one) for one in channels]
     known = {plain: one for plain, one in zip(folded, channels, strict=True) if folded.count(plain) == 1}
-    names = {header: header if header in channels else _standard_name(header, known, units) for header in headers}
     meant: dict[str, str] = {}
-    for header, name in names.items():
+    unknown: dict[str, tuple[str, str, tuple[str, ...]]] = {}
+    for header in headers:
+        name, unit, options = (header, "", ()) if header in channels else _standard_name(header, known)
+        stated = stated_units(unit, options)
+        if stated is None:
+            unknown[header] = (name, unit, options)
+            continue
+        _require_stated(header, name, stated, units)
         if name in meant:
             raise WrongRun(f"columns '{meant[name]}' and '{header}' are both '{name}': which one counts?")
         meant[name] = header
-    return names
+    for header, (name, unit, options) in unknown.items():
+        if name not in meant:  # else another column is what this one might have been
+            right = ", ".join(f"{one} is one of {', '.join(get_args(UNIT_OPTIONS[one]))}" for one in options)
+            raise WrongRun(f"column '{header}': its unit '{unit}' is not known: {right}")
+    names = {header: name for name, header in meant.items()}
+    return {header: names.get(header, header) for header in headers}
 
 
-def _standard_name(header: str, channels: Mapping[str, str], units: TableUnits) -> str:
+def _standard_name(header: str, channels: Mapping[str, str]) -> tuple[str, str, tuple[str, ...]]:
+    """Return a header's standard name, the unit that it states, and the options that this may state."""
     parts = HEADER.fullmatch(header)
-    words, unit = (_folded(parts["words"]), parts["unit"]) if parts else ("", None)
+    words, unit = (_folded(parts["words"]), (parts["unit"] or "").strip()) if parts else ("", "")
     if words in SPEED_COLUMNS:
-        return words if unit is None or _is_stated(header, unit, ("speed_unit",), units) else header
+        return words, unit, ("speed_unit",)
     of = max((one for one in channels if words.startswith(f"{one}_")), key=len, default=None)
     if of is None:
-        return header
+        return header, "", ()
     rest = words.removeprefix(f"{of}_")
-    if rest == "gap" and unit is not None and declared_unit("gap_unit", unit) == "um":
-        return f"{channels[of]}{GAP_END}"
+    if rest in ("gap", "gap_um") and declared_unit("gap_unit", unit or rest.removeprefix("gap_")) == "um":
+        return f"{channels[of]}{GAP_END}", "", ()
     if rest not in ENDS:
-        return header
+        return header, "", ()
     end, options = ENDS[rest]
-    return f"{channels[of]}{end}" if unit is None or _is_stated(header, unit, options, units) else header
+    return f"{channels[of]}{end}", unit, options
 
 
 def _folded(name: str) -> str:
@@ -105,24 +123,18 @@ def _folded(name: str) -> str:
     return "_".join(name.replace("_", " ").split()).casefold()
 
 
-def _is_stated(header: str, unit: str, options: Iterable[str], units: TableUnits) -> bool:
-    """Return whether what stands in a header's brackets is understood. Raises WrongRun where it is another unit than said."""
-    rest, meant = unit.replace("_", " ").replace(",", " ").split(), {}
-    while rest:
-        heads = [(size, option) for size in range(len(rest), 0, -1) for option in options]
-        found = next(
-            (
-                (size, option, one)
-                for size, option in heads
-                if (one := declared_unit(option, " ".join(rest[:size]))) in get_args(UNIT_OPTIONS[option])
-            ),
-            None,
-        )
-        if found is None:
-            return False
-        size, option, meant[option] = found
-        rest = rest[size:]
-    for option, one in meant.items():
+def _require_stated(header: str, name: str, stated: Mapping[str, str], units: TableUnits) -> None:
+    """Raise WrongRun where a header, or its standard name, states another unit than said."""
+    fixed = next((fixed for end, fixed in FIXED_UNITS.items() if name.endswith(end)), {})
+    for option, one in (*stated.items(), *fixed.items()):
         if one != units.by_option[option]:
-            raise WrongRun(f"column '{header}' is in {one}, but {option} says {units.by_option[option]}")
-    return bool(meant)
+            other = f": where that is right, name it {_unfixed(name)}" if option not in stated else ""
+            raise WrongRun(f"column '{header}' is in {one}, but {option} says {units.by_option[option]}{other}")
+
+
+def _unfixed(name: str) -> str:
+    """Return the name of a column that states no unit, for one that does."""
+    if name in SPEED_COLUMNS:
+        return SPEED_COLUMNS[0]
+    of = name.removesuffix(AMPLITUDE_ENDS[1])
+    return f"{of}{AMPLITUDE_ENDS[0]}" if of != name else f"{name.removesuffix(PHASE_ENDS[1])}{PHASE_ENDS[0]}"

@@ -49,12 +49,27 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
     "units in names": (
         lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [x]"}),
         {},
-        "name it speed or speed_rpm or rpm; there are Speed [x]",
+        "column 'Speed [x]': its unit 'x' is not known: speed_unit is one of rpm, rad/s, Hz",
+    ),
+    "another kind in brackets": (
+        lambda frame, _: frame.rename(columns={"B1L_um_pp": "B1L Amplitude (µm rms)"}),
+        {},
+        "its unit 'µm rms' is not known: amplitude_unit is one of m, mm, um, mil, amplitude_kind is one of peak, peak-to-peak",
+    ),
+    "a unit twice in brackets": (
+        lambda frame, _: frame.rename(columns={"B1L_um_pp": "B1L Amplitude (µm mil)"}),
+        {},
+        "its unit 'µm mil' is not known",
     ),
     "a speed under another name": (
-        lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [x]"}),
+        lambda frame, _: frame.rename(columns={"speed_rpm": "Speeds"}),
         {},
-        "does 'Speed [x]' hold it?",
+        "name it speed or speed_rpm or rpm; there are Speeds, B1L_um_pp",
+    ),
+    "a speed under a name like it": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "Speeds"}),
+        {},
+        "does 'Speeds' hold it?",
     ),
     "one column alone": (lambda frame, _: frame["speed_rpm"], {}, "a data frame or a mapping of columns, not Series"),
     "numbers for columns": (lambda _f, _: {"speed_rpm": 1.0}, {}, "column 'speed_rpm' is a float: give a list of numbers"),

@@ -17,9 +17,34 @@ from tests.rotorundown.wrong_input import PUMP, in_radians, one_line
 
 UNITS: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
     "degrees said to be radians": (
-        lambda frame, _: frame,
+        lambda frame, _: frame.rename(columns=lambda name: name.replace("_lag_deg", "_phase")),
         {"phase_unit": "rad"},
         "degrees and not radians: say phase_unit='deg'",
+    ),
+    "mil in a column of micrometres": (
+        lambda frame, _: frame,
+        {"amplitude_unit": "mil"},
+        "column 'B1L_um_pp' is in um, but amplitude_unit says mil: where that is right, name it B1L_amplitude",
+    ),
+    "0-to-peak in a column of peak-to-peak": (
+        lambda frame, _: frame,
+        {"amplitude_kind": "pk"},
+        "column 'B1L_um_pp' is in peak-to-peak, but amplitude_kind says peak",
+    ),
+    "lead in a column of lag": (
+        lambda frame, _: frame,
+        {"phase_convention": "lead"},
+        "column 'B1L_lag_deg' is in lag, but phase_convention says lead: where that is right, name it B1L_phase",
+    ),
+    "radians in a column of degrees": (
+        lambda frame, _: frame,
+        {"phase_unit": "rad"},
+        "column 'B1L_lag_deg' is in deg, but phase_unit says rad",
+    ),
+    "hertz in a column of revolutions": (
+        lambda frame, _: frame,
+        {"speed_unit": "Hz"},
+        "column 'speed_rpm' is in rpm, but speed_unit says Hz: where that is right, name it speed",
     ),
     "a unit that there is not": (
         lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
