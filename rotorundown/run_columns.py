@@ -2,11 +2,12 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
@@ -22,6 +23,8 @@ AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
 PHASE_ENDS = ("_phase", "_lag_deg")
 GAP_END = "_gap_um"
 """End of the names of columns of mean gaps [µm], as the probes' `gap_grows` of the document says that they grow."""
+UNNAMED = "Unnamed: "
+"""Beginning of the name that pandas gives to a column without one."""
 MOST_NAMED = 5
 """Most columns that an error names of those that are too long or too short."""
 TIME_KINDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}
@@ -66,12 +69,18 @@ def columns_of(source: Any) -> ReadColumns:
     require_different(names)
     columns: dict[str, Floats] = {}
     unread: dict[str, str] = {}
-    for name, key in zip(names, given, strict=True):
+    values = dict(zip(names, map(source.__getitem__, given), strict=True))
+    values |= _of_index(getattr(source, "index", None), names)
+    for name, one in values.items():
         try:
-            columns[name] = _numbers(name, source[key])
+            numbers = _numbers(name, one)
         except WrongRun as error:  # raised where it is a column of the run
             unread[name] = str(error)
-    columns |= dict(_of_index(getattr(source, "index", None), names))
+            continue
+        if not (name.startswith(UNNAMED) and (np.isnan(numbers).all() or _are_row_numbers(numbers))):
+            columns[name] = numbers
+    if not {*TIME_COLUMNS} & {*values}:
+        columns |= _unnamed_dates(values, unread)
     if not columns and unread:
         raise WrongRun(next(iter(unread.values())))
     if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
@@ -114,15 +123,35 @@ def require_different(names: Sequence[str]) -> None:
         raise WrongRun(f"column '{twice}' stands twice: which one counts?")
 
 
-def _of_index(index: Any, names: Sequence[str]) -> Iterator[tuple[str, Floats]]:
-    """Yield the column that a frame's index is: one with a known name, or dates or durations."""
-    if not hasattr(index, "dtype"):
-        return
-    name = known_name(str(getattr(index, "name", None) or ""))
-    if index.dtype.kind in TIME_KINDS and not set(TIME_COLUMNS) & set(names):
-        yield TIME_COLUMNS[0], _numbers(TIME_COLUMNS[0], index)
-    elif name in (*SPEED_COLUMNS, *TIME_COLUMNS) and name not in names:
-        yield name, _numbers(name, index)
+def _of_index(index: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Return the column that a frame's index is, by its name; of one without a name whole numbers are those of rows."""
+    if not hasattr(index, "dtype") or getattr(index, "nlevels", 1) > 1:
+        return {}
+    if index.dtype.kind in TIME_KINDS and not {*TIME_COLUMNS} & {*names}:
+        return {TIME_COLUMNS[0]: index}
+    whole = index.dtype.kind in "iu"
+    if index.name is None:
+        return {} if whole else {f"{UNNAMED}index": index}
+    name = known_name(str(index.name))
+    numbers_rows = whole and not is_known_name(name) and _are_row_numbers(np.asarray(index))
+    return {} if name in names or numbers_rows else {name: index}
+
+
+def _are_row_numbers(values: NDArray[Any]) -> bool:
+    """Return whether values number the rows, from 0 or 1."""
+    return bool(values.size and values[0] in (0, 1) and np.all(np.diff(values) == 1))
+
+
+def _unnamed_dates(values: Mapping[str, Any], unread: dict[str, str]) -> dict[str, Floats]:
+    """Return the times of the first column without a name that holds dates, which is no unread one from then on."""
+    for name in [one for one in unread if one.startswith(UNNAMED)]:
+        try:
+            times = _numbers(TIME_COLUMNS[0], values[name])
+        except WrongRun:
+            continue
+        del unread[name]
+        return {TIME_COLUMNS[0]: times}
+    return {}
 
 
 def _numbers(name: str, values: Any) -> Floats:

@@ -25,6 +25,7 @@ from rotorundown.run_columns import (
     PHASE_ENDS,
     SPEED_COLUMNS,
     TIME_COLUMNS,
+    UNNAMED,
     WrongRun,
     columns_of,
     is_known_name,
@@ -35,8 +36,6 @@ from rotorundown.run_units import TableUnits, standard_names
 from storage.clock import now
 from storage.encoding.sample_blocks import Samples
 
-ROW_NUMBERS = "Unnamed: "
-"""Beginning of the name that pandas gives to a column without one."""
 LIKE_TIMES = ("time", "date", "seconds")
 """Beginnings of names, in small letters, of columns that seem to hold times."""
 BEGINNING_NS = 946_771_200_000_000_000
@@ -156,7 +155,7 @@ class RunTable(Struct, frozen=True, eq=False):
             end = next((one for one in (*AMPLITUDE_ENDS, GAP_END) if column.endswith(one)), None)
             channel = "" if end is None else column.removesuffix(end)
             if not is_known_name(column):
-                others += [] if column.startswith(ROW_NUMBERS) else [column]
+                others.append(column)
             elif channel and channel not in machine.channels:
                 close = did_you_mean(channel, machine.channels)
                 yield f"{name}, column '{column}' left out: '{channel}' is no channel of '{machine.id}'{close}"
@@ -202,9 +201,9 @@ def read_csv_table(path: Path) -> RunTable:
         header, rows = read_plain_table(path)
     except UnreadableFile as error:
         raise WrongRun(str(error)) from None
-    require_different([known_name(name) for name in header if name])
-    columns = zip(header, map(list, zip(*rows, strict=True)), strict=True)
-    return RunTable.of({name: column for name, column in columns if name})  # those without a name are numbers of rows
+    names = [name or f"{UNNAMED}{place}" for place, name in enumerate(header)]
+    require_different(list(map(known_name, names)))
+    return RunTable.of(dict(zip(names, map(list, zip(*rows, strict=True)), strict=True)))
 
 
 def _first_names(columns: Iterable[str]) -> str:

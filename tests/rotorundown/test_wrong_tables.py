@@ -161,6 +161,11 @@ TAKEN: dict[str, Callable[[Any], Any]] = {
     "names in capitals with spaces": in_capitals,
     "missing values of pandas": lambda frame: frame.astype("Float64"),
     "numbers as text": lambda frame: frame.astype(str),
+    "the speed with its unit as index": lambda frame: frame.set_index("speed_rpm").rename_axis("Speed [rpm]"),
+    "dates in a column without a name": lambda frame: dated(frame).rename_axis("Unnamed: 0").reset_index(),
+    "dates as texts in a column without a name": lambda frame: frame.assign(**{"Unnamed: 0": dates(len(frame))}),
+    "row numbers in a column without a name": lambda frame: frame.assign(**{"Unnamed: 0": np.arange(len(frame)) + 1}),
+    "rows numbered by an index of some name": lambda frame: frame.rename_axis("sample"),
     "the speed as index": lambda frame: frame.set_index("speed_rpm"),
     "dates as index": dated,
     "dates with a zone": lambda frame: dated(frame, "Europe/Berlin"),
@@ -202,3 +207,23 @@ def test_a_missing_value_of_pandas_is_none(pump: Machine, run: rd.MachineRun) ->
 def test_phases_without_amplitudes_are_named(pump: Machine, run: rd.MachineRun) -> None:
     (said,) = rd.read_run(run.to_frame().drop(columns="B1L_um_pp"), machine=pump).left_out
     assert said.startswith("run, column 'B1L_lag_deg' left out: no column holds the amplitude, B1L_amplitude or B1L_um_pp")
+
+
+def test_columns_without_a_name_that_do_not_number_rows_are_told(pump: Machine, run: rd.MachineRun) -> None:
+    frame = untimed(run)
+    unnamed = frame.assign(**{"Unnamed: 0": 3.0 * np.arange(len(frame))})
+    (said,) = rd.read_run(unnamed, machine=pump).left_out
+    assert said == "run, column 'Unnamed: 0' left out: of no channel of 'motor-pump'"
+    seconds = pd.Index(1e3 * np.arange(len(frame)), name="Time [ms]")
+    (said,) = rd.read_run(frame.set_index(seconds), machine=pump).left_out
+    assert "column 'Time [ms]' left out: of no channel of 'motor-pump'; where 'Time [ms]' holds the times, name it" in said
+
+
+def test_dates_of_an_index_go_through_a_file(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    dated(untimed(run)).to_csv(file)
+    for read in (rd.read_run(file, machine=pump), rd.read_run(pd.read_csv(file), machine=pump)):
+        assert (read.interval_s, read.left_out) == (pytest.approx(2.0), ())
+    untimed(run).to_csv(file)
+    read = rd.read_run(file, machine=pump)
+    assert (read.recorded.time, read.left_out) == (None, ())
