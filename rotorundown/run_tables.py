@@ -14,6 +14,7 @@ from estimator.machine.document import Machine
 from estimator.machine.speed_units import NAMES
 from estimator.units import METRES, RAD_PER_S, AmplitudeUnit, PhaseUnit, SpeedUnit, rad_per_s_to_rpm
 from formats.files.document_files import UnreadableFile
+from formats.recordings.exported_table import asks_for_thousands, lost_thousands
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
 from formats.recordings.plain_table import read_plain_table
 from formats.recordings.run_times import doubted_times, wrong_times
@@ -235,6 +236,8 @@ def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> N
             "all speeds are below zero: write them positive, the document says which way it turns "
             f"(rotation: {machine.rotation})"
         )
+    if lost := lost_thousands(speed):
+        raise WrongRun(lost)
     others = [unit for unit in RAD_PER_S if unit != units.speed and _enters(speed, unit, machine)]
     hint = f": are these in {' or '.join(others)}? Say so with speed_unit" if others else ""
     if _enters(speed, units.speed, machine):
@@ -242,6 +245,8 @@ def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> N
         if slow[0] < FEWEST_BELOW_OVERSPEED and max(slow) == 1.0:
             raise WrongRun(f"most speeds lie far beyond the range of '{machine.id}' when read in {NAMES[units.speed]}{hint}")
         return
+    if _enters(1e3 * speed, units.speed, machine) and (asked := asks_for_thousands(speed)):
+        hint += f"{', or' if hint else ':'} {asked}"
     highest = rad_per_s_to_rpm(float(np.max(np.abs(speed))) * RAD_PER_S[units.speed])
     raise WrongRun(
         f"the run reaches {highest:.0f} r/min and never enters the range of '{machine.id}', "

@@ -11,6 +11,10 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
+from estimator.arrays import Floats
+
 SEPARATORS = (",", ";", "\t")
 LONGEST_HEAD = 200
 """Most lines before the first numbers."""
@@ -106,6 +110,34 @@ def number_hint(text: str) -> str:
     if THOUSANDS.fullmatch(text.strip()):
         return ": write numbers without signs between thousands"
     return ": write numbers with a decimal point" if "," in text else ""
+
+
+def lost_thousands(speed: Floats) -> str:
+    """Return that a sign between thousands was read as a decimal one in speeds (S,), and what would be right; else nothing.
+
+    Such speeds jump by a thousand from 1.002 to 998; the larger is whole then, and the smaller has three decimals at most.
+    """
+    if np.array_equal(speed, np.round(speed)):
+        return ""
+    pairs = np.sort(np.column_stack([speed[:-1], speed[1:]]))
+    small, large = pairs.T
+    jumps = (small > 0.0) & (large >= 800.0 * small) & (large <= 1250.0 * small) & (large == np.round(large))
+    jumps &= np.abs(1e3 * small - np.round(1e3 * small)) < 1e-6
+    if not np.any(jumps):
+        return ""
+    row = int(np.argmax(jumps))
+    one, other = f"{small[row]:.3f}", f"{large[row]:g}"
+    return (
+        f"the speed jumps between {one} and {other} from row {row + 1} to row {row + 2}: is the sign in {one} one between "
+        f"thousands? Write {1e3 * small[row]:.0f}"
+    )
+
+
+def asks_for_thousands(speed: Floats) -> str:
+    """Return the question whether speeds (S,) that are far too low have a sign between thousands; nothing where none can."""
+    if not np.allclose(1e3 * speed, np.round(1e3 * speed), rtol=0.0, atol=1e-6):
+        return ""
+    return f"is {speed[0]:.3f} one with a sign between thousands? Write {1e3 * speed[0]:.0f}"
 
 
 def decimal_points(separator: str) -> Callable[[str], str]:

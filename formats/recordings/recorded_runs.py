@@ -22,6 +22,7 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.phasors.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from formats.files.document_files import UnreadableFile
+from formats.recordings.exported_table import asks_for_thousands, lost_thousands
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel
 from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
 from formats.recordings.run_times import doubted_times
@@ -90,6 +91,8 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     if recording.machine != machine.id:
         raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
     recording = _of_channels(recording, machine, file)
+    if lost := lost_thousands(np.array(recording.speed)):
+        raise UnreadableFile(f"{file}: {lost}")
     phase = np.array(recording.phase, dtype=float)
     _require_phases(phase, file)
     doubts = _phase_doubts(phase, recording.phase_unit, file)
@@ -100,6 +103,9 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
     if outside and not taken.any():
         raise UnreadableFile(f"{file}: {outside}")
+    asked = asks_for_thousands(np.array(recording.speed)) if outside else ""
+    if asked and not outside_speed_range(machine.speed_range, 1e3 * samples.speed[np.isfinite(samples.speed)]):
+        raise UnreadableFile(f"{file}: {outside}: {asked}")
     still = at_standstill(samples.speed, taken)
     if taken.any() and np.array_equal(still, taken):
         raise UnreadableFile(

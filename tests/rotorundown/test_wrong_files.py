@@ -12,6 +12,7 @@ import pytest
 
 import rotorundown as rd
 from estimator.machine.document import Machine
+from formats.recordings.recording import write_recording
 from rotorundown.run_columns import WrongRun
 from tests.rotorundown.wrong_input import PUMP, doubled, one_line, written
 
@@ -90,6 +91,31 @@ def test_signs_between_thousands_are_named(pump: Machine, run: rd.MachineRun, tm
     words = re.escape(f"row 3: '{number}' is not a number: write numbers without signs between thousands")
     with pytest.raises(WrongRun, match=words):
         rd.read_run(written(tmp_path / "run.csv", frame), machine=pump)
+
+
+@pytest.mark.parametrize("sidecar", [True, False])
+@pytest.mark.parametrize("sign", [".", ","])
+def test_signs_between_thousands_without_decimals_are_named(
+    pump: Machine, run: rd.MachineRun, tmp_path: Path, sign: str, sidecar: bool
+) -> None:
+    """Speeds such as 3,596 and 988, which are numbers with a decimal sign, too."""
+    file = tmp_path / "run.csv"
+    write_recording(file, pump, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
+    header, *rows = file.read_text().splitlines()
+    if not sidecar:
+        file.with_suffix(".yaml").unlink()
+
+    def saved(taken: Callable[[float], bool]) -> None:
+        cells = [(float(speed), rest.replace(",", ";")) for speed, _, rest in (row.partition(",") for row in rows)]
+        lines = [f"{speed:,.0f};{rest}".replace(",", sign) for speed, rest in cells if taken(speed)]
+        file.write_text("\n".join([header.replace(",", ";"), *lines]))
+
+    saved(bool)
+    with pytest.raises(WrongRun, match=r"the speed jumps between 1\.\d\d\d and 9\d\d from row .*thousands\? Write 1\d\d\d"):
+        rd.read_run(file, machine=pump)
+    saved(lambda speed: speed > 1000.0)
+    with pytest.raises(WrongRun, match=r"is 3\.596 one with a sign between thousands\? Write 3596"):
+        rd.read_run(file, machine=pump)
 
 
 HEADS: dict[str, Callable[[list[str]], list[str]]] = {
