@@ -51,8 +51,8 @@ def _text(content: bytes) -> str:
     return content.decode("cp1252")
 
 
-def exported_rows(text: str) -> list[tuple[int, ExportedRow]]:
-    """Return the rows below the header by their columns' names, each with the number of its line.
+def exported_rows(text: str) -> tuple[list[tuple[int, ExportedRow]], dict[str, str]]:
+    """Return the rows below the header by their columns' names, each with the number of its line, and the line of units.
 
     There are none where no header stands above numbers.
     """
@@ -70,14 +70,17 @@ def exported_rows(text: str) -> list[tuple[int, ExportedRow]]:
         if head == first:
             continue
         # Above a line of units some cells of which are blank.
-        names = _named(next((cells for cells in table[head:first] if all(cells)), table[head]))
+        header = next((cells for cells in table[head:first] if all(cells)), table[head])
+        names, above = _named(header), table[first - 1]
+        units = {} if above is header else dict(zip(names, above, strict=False))
         decimal, gap = decimal_points(separator), [None] * len(names)
-        return [
+        rows = [
             (line, dict(zip(names, [*map(decimal, cells), *gap], strict=False)))
             for line, cells in numbered[first:]
             if any(cells)
         ]
-    return []
+        return rows, units
+    return [], {}
 
 
 def is_plain(text: str) -> bool:

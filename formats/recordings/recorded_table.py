@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -10,12 +11,16 @@ import numpy as np
 from msgspec import Struct
 
 from estimator.close_matches import did_you_mean
+from estimator.unit_names import stated_units
 from formats.files.document_files import UnreadableFile
 from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_number, is_plain, no_text, number_hint
 from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
 from formats.recordings.run_times import EXAMPLE, moment_of
+
+IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]\s*$")
+"""The unit behind a column's name."""
 
 
 class MissingColumn(UnreadableFile):
@@ -30,12 +35,14 @@ class RecordedTable(Struct, frozen=True):
         rows: One mapping per row below the header.
         places: Where each row is in the file, in words.
         unusable: Why a column that is in the file cannot be used, by its name.
+        units: What a line of units below the header says, by the columns' names.
     """
 
     path: Path
     rows: list[dict[str, str | None]]
     places: Sequence[str]
     unusable: Mapping[str, str] = {}
+    units: Mapping[str, str] = {}
 
     @classmethod
     def read(cls, path: Path) -> "RecordedTable":
@@ -44,14 +51,20 @@ class RecordedTable(Struct, frozen=True):
             return _measured_table(path)
         try:
             text = decoded(path.read_bytes())
-            rows = _rows(text) if text.strip() else []
+            rows, units = _rows(text) if text.strip() else ([], {})
         except UnicodeDecodeError:
             raise UnreadableFile(no_text(path)) from None
         except (OSError, csv.Error) as error:
             raise UnreadableFile(f"{path}: {error}") from error
         if not rows:
             raise UnreadableFile(empty_table_text(path))
-        return cls(path, [row for _, row in rows], [f"line {line}" for line, _ in rows])
+        return cls(path, [row for _, row in rows], [f"line {line}" for line, _ in rows], units=units)
+
+    def stated_units(self, name: str, fields: Sequence[str]) -> dict[str, str]:
+        """Return the units of some fields that a column's name in its brackets, or the line of units below, states."""
+        in_name = IN_BRACKETS.search(name)
+        texts = (in_name[1] if in_name else "", self.units.get(name, "").strip("[]()"))
+        return {field: unit for text in texts for field, unit in (stated_units(text, fields) or {}).items()}
 
     def gappy(self, name: str) -> list[float | None]:
         """Return the numbers of a column, None where a cell is blank. Raises UnreadableFile."""
@@ -114,10 +127,10 @@ class RecordedTable(Struct, frozen=True):
             ) from None
 
 
-def _rows(text: str) -> list[tuple[int, ExportedRow]]:
-    """Return the rows of a table, as other programs export it or plain, each with the number of its line."""
-    rows = [] if is_plain(text) else exported_rows(text)
-    return rows or _plain_rows(text.removeprefix("# "))  # behind which numpy writes its header
+def _rows(text: str) -> tuple[list[tuple[int, ExportedRow]], dict[str, str]]:
+    """Return the rows of a table, exported or plain, each with the number of its line, and its line of units."""
+    rows, units = ([], {}) if is_plain(text) else exported_rows(text)
+    return rows or _plain_rows(text.removeprefix("# ")), units  # behind which numpy writes its header
 
 
 def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:

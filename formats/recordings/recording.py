@@ -176,6 +176,7 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     sidecar = _sidecar_of(path, sidecar_path)
     table = RecordedTable.read(path)
     speed = _speed(table, sidecar)
+    _require_stated_units(path, table, sidecar)
     turn = 1.0 if sidecar.phase_unit == "rad" else RADIANS["deg"]
     return SampleBatch(
         schema=WIRE_SCHEMA,
@@ -201,6 +202,20 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         overall=_optional(table, [one.overall for one in sidecar.channels], len(speed)),
         conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
+
+
+def _require_stated_units(path: Path, table: RecordedTable, sidecar: Sidecar) -> None:
+    """Raise UnreadableFile where a header, or a line of units below it, states another unit than the sidecar."""
+    of_amplitude = ("amplitude_unit", "amplitude_kind")
+    fields = {"phase": ("phase_unit", "phase_convention"), "gap": ("gap_unit",), "channel": ()}
+    columns: list[tuple[str, tuple[str, ...]]] = [(sidecar.speed, ("speed_unit",))]
+    for channel in sidecar.channels:
+        columns += [(one, fields.get(what, of_amplitude)) for what, one in channel.model_dump(exclude_none=True).items()]
+    for column, of_column in columns:
+        for field, unit in table.stated_units(column, of_column).items():
+            if unit != getattr(sidecar, field):
+                said = f"its sidecar says {field}: {getattr(sidecar, field)}"
+                raise UnreadableFile(f"{path}: column '{column}' is in {unit} by its header, but {said}: correct one of them")
 
 
 def states_start(path: Path, sidecar_path: Path | None = None) -> bool:

@@ -161,3 +161,44 @@ def test_units_have_the_names_that_people_and_the_tool_give_them(pump: Machine, 
         text = text.replace(f": {unit}", f": {name}")
     sidecar.write_text(text, encoding="utf-8")
     np.testing.assert_array_equal(rd.read_run(file, machine=pump).recorded.phasor, right)
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "in_header", "words"),
+    [
+        (
+            "B1L_um_pp",
+            "mil pp",
+            False,
+            "is in mil by its header, but its sidecar says amplitude_unit: um: correct one of them",
+        ),
+        ("B1L_um_pp", "µm pk", True, "is in peak by its header, but its sidecar says amplitude_kind: peak-to-peak"),
+        ("B1L_lag_deg", "rad", False, "is in rad by its header, but its sidecar says phase_unit: deg"),
+        ("speed_rpm", "[Hz]", False, "is in Hz by its header, but its sidecar says speed_unit: rpm"),
+        ("speed_rpm", "Hz", True, "column 'speed_rpm [Hz]' is in Hz by its header, but its sidecar says speed_unit: rpm"),
+        ("speed_rpm", "r/min", True, ""),
+        ("speed_rpm", "x", False, ""),
+    ],
+)
+def test_units_of_a_table_that_contradict_its_sidecar_are_named(
+    pump: Machine, tmp_path: Path, column: str, unit: str, in_header: bool, words: str
+) -> None:
+    file = tmp_path / "run.csv"
+    assert CliRunner().invoke(app, ["sample", str(PUMP), str(file)]).exit_code == 0
+    header, *rows = file.read_text().splitlines()
+    if in_header:
+        named = f"{column} [{unit}]"
+        header = header.replace(column, named, 1)
+        sidecar = file.with_suffix(".yaml")
+        sidecar.write_text(sidecar.read_text().replace(f": {column}\n", f": '{named}'\n"), encoding="utf-8")
+    else:
+        rows = [",".join(unit if name == column else "" for name in header.split(",")), *rows]
+        if column != header.split(",")[0]:
+            rows[0] = "rpm" + rows[0]
+    file.write_text("\n".join([header, *rows]), encoding="utf-8")
+    if not words:
+        assert rd.read_run(file, machine=pump).left_out == ()
+        return
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(file, machine=pump)
+    one_line(raised)
