@@ -11,10 +11,12 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from estimator.unit_names import UNIT_NAMES, stated_units
 from formats.files.document_files import UnreadableFile
 from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import SEPARATORS, decimal_points, decoded, is_number, no_text
+from formats.recordings.run_times import moment_of
 
 OTHER_SEPARATORS = (";", "\t")
 STATED_SEPARATOR = re.compile(r"\"?sep=(.)\"?", re.IGNORECASE)
@@ -26,9 +28,10 @@ NumberedRow = tuple[int, list[str]]
 """The number of a line in its file, and its cells."""
 
 
-def separator_of(header: str) -> str:
-    """Return what separates the names in a header line: commas, or where there are none semicolons or tabs."""
-    return next((sign for sign in OTHER_SEPARATORS if sign in header and "," not in header), ",")
+def separator_of(header: str, first: str = "") -> str:
+    """Return what separates the names in a header line: what separates the cells below it as often, or else commas first."""
+    alike = (sign for sign in OTHER_SEPARATORS if sign in header and header.count(sign) == first.count(sign))
+    return next(alike, ",") if "," in header else next((sign for sign in OTHER_SEPARATORS if sign in header), ",")
 
 
 def read_plain_table(path: Path) -> tuple[list[str], list[list[str]]]:
@@ -53,8 +56,10 @@ def read_plain_table(path: Path) -> tuple[list[str], list[list[str]]]:
             "speed_rpm"
         )
     if _are_units(body, len(header)):
-        header = [f"{name} [{unit}]" if unit else name for name, unit in zip(header, body[0][1], strict=True)]
+        header = list(map(_with_unit, header, body[0][1], body[1][1]))
         body = body[1:]
+    if all(len(cells) == len(header) + 1 and not cells[-1] for _, cells in body):
+        body = [(line, cells[:-1]) for line, cells in body]  # a separator behind each row, and none behind the header
     _require_whole(path, first, header, body)
     if separator == ",":
         return header, [cells for _, cells in body]
@@ -69,7 +74,7 @@ def _lines(text: str) -> tuple[str, list[tuple[int, str]]]:
     separator, comment = "", ""
     while place < len(lines) - 1:
         line = lines[place]
-        stated = STATED_SEPARATOR.fullmatch(line.strip())
+        stated = STATED_SEPARATOR.fullmatch(line.strip(" "))
         if stated:
             separator = stated[1]
         elif line.startswith(COMMENT):
@@ -77,7 +82,7 @@ def _lines(text: str) -> tuple[str, list[tuple[int, str]]]:
         elif line.strip() and (not separators or any(sign in line for sign in (*separators, *separator))):
             break
         place += 1
-    separator = separator or separator_of(lines[place])
+    separator = separator or separator_of(lines[place], next(filter(str.strip, lines[place + 1 :]), ""))
     point, cells = decimal_points(separator), lines[place].split(separator)
     rest = list(enumerate(lines[place:], start=place + 1))
     if len(comment.split(separator)) == len(cells) > 1 and all(is_number(point(one.strip())) for one in cells):
@@ -95,11 +100,26 @@ def _rows(lines: Sequence[tuple[int, str]], separator: str) -> Iterator[Numbered
 
 
 def _are_units(body: Sequence[NumberedRow], count: int) -> bool:
-    """Return whether the first of the rows holds units: no number, above a row with numbers."""
+    """Return whether the first of the rows holds units: one at least, no number and no date, above a row with numbers."""
     if len(body) < 2:
         return False
     units, first = (cells for _, cells in body[:2])
-    return len(units) == count and not any(map(is_number, units)) and any(map(is_number, first))
+    if len(units) != count or any(is_number(one) or moment_of(one) for one in units) or not any(map(is_number, first)):
+        return False
+    return any(stated_units(_unit(one), UNIT_NAMES) for one in units)
+
+
+def _unit(cell: str) -> str:
+    """Return the unit in a cell of a line of units, without brackets; nothing for a dash."""
+    return cell.strip("[]() ").strip("-–")
+
+
+def _with_unit(name: str, cell: str, first: str) -> str:
+    """Return a name with the unit below it in brackets, unless that says nothing more. first: the cell below the unit."""
+    unit = _unit(cell)
+    if not unit or name.endswith((f"[{unit}]", f"({unit})")) or (moment_of(first) and not is_number(first)):
+        return name
+    return f"{name[:-1]} {unit}{name[-1]}" if name.endswith(("]", ")")) else f"{name} [{unit}]"
 
 
 def _require_whole(path: Path, first: int, header: Sequence[str], body: Sequence[NumberedRow]) -> None:

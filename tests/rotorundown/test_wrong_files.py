@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections.abc import Callable
+from datetime import UTC, datetime
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,18 @@ LINES: dict[str, tuple[Callable[[list[str]], list[str]], str]] = {
         lambda lines: [*lines[:4], lines[4][:20]],
         "run.csv, line 5 has 2 cells, its header 18: the row is cut short, as an export that broke off; complete it",
     ),
+    "a first sample without numbers": (
+        lambda lines: [lines[0], "1969-12-31T23:59:59+00:00" + "," * lines[0].count(","), *dated(lines[1:])],
+        "the speed has no number in row 1: leave such rows out",
+    ),
+    "a first sample that is not available": (
+        lambda lines: [lines[0], ",".join(["n/a"] * (lines[0].count(",") + 1)), *lines[1:]],
+        "column 'time_s', row 1: 'n/a' is not a number",
+    ),
+    "units that are not known": (
+        lambda lines: [lines[0], units(lines[0]).replace("µm pp", "mm/s", 1), *lines[1:]],
+        "column 'B1L_um_pp [mm/s]': its unit 'mm/s' is not known: amplitude_unit is one of m, mm, um, mil",
+    ),
     "units that are others": (
         lambda lines: [lines[0], units(lines[0], speed="Hz"), *lines[1:]],
         "column 'speed_rpm [Hz]' is in Hz, but speed_unit says rpm (to a command: in a sidecar, run.yaml)",
@@ -72,6 +85,12 @@ def units(header: str, *, speed: str = "rpm") -> str:
     """Return a line of units below a header."""
     known = {"time_s": "s", "speed_rpm": speed}
     return ",".join(known.get(name, "µm pp" if name.endswith("_um_pp") else "deg") for name in header.split(","))
+
+
+def dated(rows: list[str]) -> list[str]:
+    """Return rows whose seconds are dates."""
+    cells = [row.partition(",") for row in rows]
+    return [f"{datetime.fromtimestamp(float(time), UTC).isoformat()},{rest}" for time, _, rest in cells]
 
 
 @pytest.mark.parametrize("name", LINES)
@@ -124,6 +143,20 @@ HEADS: dict[str, Callable[[list[str]], list[str]]] = {
     "a title": lambda lines: ["Run-down of pump 12", "", *lines],
     "a header behind a comment sign, as of numpy": lambda lines: [f"# {lines[0]}", *lines[1:]],
     "a line of units": lambda lines: [lines[0], units(lines[0]), *lines[1:]],
+    "a line of units in brackets": lambda lines: [lines[0], f"[{units(lines[0]).replace(',', '],[')}]", *lines[1:]],
+    "a line of units with dashes": lambda lines: [lines[0], units(lines[0], speed="-"), *lines[1:]],
+    "a form of dates for a unit": lambda lines: [lines[0], units(lines[0]).replace("s,", "hh:mm:ss,", 1), *dated(lines[1:])],
+    "units in the header and below": lambda lines: [
+        lines[0].replace("speed_rpm", "Speed [rpm]").replace("B1L_um_pp", "B1L Amplitude (µm)").replace("time_s", "time (s)"),
+        units(lines[0]),
+        *lines[1:],
+    ],
+    "a tab said to be the separator": lambda lines: ["sep=\t", *(one.replace(",", "\t") for one in lines)],
+    "a comma in a name, between semicolons": lambda lines: [
+        lines[0].replace(",", ";").replace("B1L_um_pp", "B1L Amplitude (µm, pp)"),
+        *(one.replace(",", ";").replace(".", ",") for one in lines[1:]),
+    ],
+    "a separator behind each row": lambda lines: [lines[0], *(f"{one}," for one in lines[1:])],
     "rows of blank cells at the end": lambda lines: [*lines, "," * lines[0].count(",")],
 }
 
