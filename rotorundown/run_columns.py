@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
-from formats.recordings.exported_table import number_hint
+from formats.recordings.exported_table import is_number, number_hint
 from formats.recordings.plain_table import separator_of
 from formats.recordings.run_times import EXAMPLE, moment_of, seconds_since_first
 
@@ -44,10 +44,12 @@ class ReadColumns(NamedTuple):
     Attributes:
         numbers: Their values (S,).
         unread: What is wrong with those that hold no numbers.
+        dated: Whether its times are dates or durations, whose unit is certain.
     """
 
     numbers: dict[str, Floats]
     unread: dict[str, str]
+    dated: bool
 
 
 def columns_of(source: Any) -> ReadColumns:
@@ -71,6 +73,9 @@ def columns_of(source: Any) -> ReadColumns:
     unread: dict[str, str] = {}
     values = dict(zip(names, map(source.__getitem__, given), strict=True))
     values |= _of_index(getattr(source, "index", None), names)
+    unnamed = next((one for one in values if one.startswith(UNNAMED) and _are_dates(values[one])), None)
+    if unnamed is not None and not {*TIME_COLUMNS} & {*values}:
+        values[TIME_COLUMNS[0]] = values.pop(unnamed)
     for name, one in values.items():
         try:
             numbers = _numbers(name, one)
@@ -79,14 +84,12 @@ def columns_of(source: Any) -> ReadColumns:
             continue
         if not (name.startswith(UNNAMED) and (np.isnan(numbers).all() or _are_row_numbers(numbers))):
             columns[name] = numbers
-    if not {*TIME_COLUMNS} & {*values}:
-        columns |= _unnamed_dates(values, unread)
     if not columns and unread:
         raise WrongRun(next(iter(unread.values())))
     if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
         raise WrongRun("the run has no samples: each column must hold at least one number")
     require_equal_length(columns)
-    return ReadColumns(columns, unread)
+    return ReadColumns(columns, unread, any(_are_dates(values[one]) for one in TIME_COLUMNS if one in values))
 
 
 def require_equal_length(columns: Mapping[str, Floats]) -> None:
@@ -142,16 +145,13 @@ def _are_row_numbers(values: NDArray[Any]) -> bool:
     return bool(values.size and values[0] in (0, 1) and np.all(np.diff(values) == 1))
 
 
-def _unnamed_dates(values: Mapping[str, Any], unread: dict[str, str]) -> dict[str, Floats]:
-    """Return the times of the first column without a name that holds dates, which is no unread one from then on."""
-    for name in [one for one in unread if one.startswith(UNNAMED)]:
-        try:
-            times = _numbers(TIME_COLUMNS[0], values[name])
-        except WrongRun:
-            continue
-        del unread[name]
-        return {TIME_COLUMNS[0]: times}
-    return {}
+def _are_dates(values: Any) -> bool:
+    """Return whether a column holds dates or durations, as its kind or its first value says."""
+    kind = getattr(getattr(values, "dtype", None), "kind", "")
+    if kind in (*TIME_KINDS, *NUMBERS) or not isinstance(values, Collection):
+        return kind in TIME_KINDS
+    first = next((one for one in values if not _is_blank(one)), None)
+    return moment_of(first) is not None and not (isinstance(first, str) and is_number(first))
 
 
 def _numbers(name: str, values: Any) -> Floats:

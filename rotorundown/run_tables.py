@@ -54,10 +54,11 @@ FEWEST_BELOW_OVERSPEED = 0.5
 
 
 class RunTable(Struct, frozen=True, eq=False):
-    """Columns (S,) of a run by name, and what is wrong with those that hold no numbers."""
+    """Columns (S,) of a run by name, what is wrong with those that hold no numbers, and whether its times are dates."""
 
     columns: Mapping[str, Floats]
     unread: Mapping[str, str] = {}
+    dated: bool = False
 
     @classmethod
     def of(cls, source: Any) -> "RunTable":
@@ -72,7 +73,9 @@ class RunTable(Struct, frozen=True, eq=False):
         wrong = next((words for header, words in self.unread.items() if names[header] in of_run), None)
         if wrong is not None:
             raise WrongRun(wrong)
-        return RunTable({names[header]: column for header, column in self.columns.items()}, self.unread)
+        if {*TIME_COLUMNS} <= {*names.values()}:
+            raise WrongRun(f"columns {' and '.join(map(repr, TIME_COLUMNS))} hold the time: which one counts?")
+        return RunTable({names[header]: column for header, column in self.columns.items()}, self.unread, self.dated)
 
     @property
     def time(self) -> Floats | None:
@@ -90,7 +93,7 @@ class RunTable(Struct, frozen=True, eq=False):
         _require_amplitude_unit(amplitude, units.amplitude)
         doubts = _phase_doubts(phase, units)
         gap = self._gaps(channels)
-        seconds = np.arange(speed.size, dtype=float) if self.time is None else _seconds(self.time)
+        seconds = np.arange(speed.size, dtype=float) if self.time is None else _seconds(self.time, dated=self.dated)
         batch = SampleBatch(
             schema=WIRE_SCHEMA,
             plant=machine.plant,
@@ -115,7 +118,7 @@ class RunTable(Struct, frozen=True, eq=False):
         samples, taken, faults = to_samples(batch, machine, received_at=now())
         still = at_standstill(samples.speed, taken)
         taken = taken & ~still
-        doubts += [] if self.time is None else doubted_times(seconds, speed)
+        doubts += [] if self.time is None else doubted_times(seconds, speed, dated=self.dated)
         doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
         rows = [fault.of_row(kept=bool(taken[fault.index])) for fault in faults if not still[fault.index]]
         rejected = (f"{name}, {words}" for words in (*rows, *standstill_words(still)))
@@ -214,10 +217,10 @@ def _first_names(columns: Iterable[str]) -> str:
     return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
-def _seconds(values: Floats) -> Floats:
+def _seconds(values: Floats, *, dated: bool) -> Floats:
     if not np.all(np.isfinite(values)):
         raise WrongRun(f"the time has no number in row {int(np.argmin(np.isfinite(values))) + 1}")
-    if wrong := wrong_times(values):
+    if wrong := wrong_times(values, dated=dated):
         raise WrongRun(wrong)
     return values
 

@@ -65,6 +65,16 @@ class TableUnits(Struct, frozen=True):
         return dict(zip(UNIT_OPTIONS, given, strict=True))
 
     @property
+    def given(self) -> dict[str, str]:
+        """Return those units, by their options, that somebody must have said: that are others than without a word."""
+        usual = TableUnits().by_option
+        return {
+            option: unit
+            for option, unit in self.by_option.items()
+            if unit != usual[option] or (option == "phase_unit" and self.phase_is_stated)
+        }
+
+    @property
     def words(self) -> str:
         """Return the units in words."""
         amplitude = "µm" if self.amplitude == "um" else self.amplitude

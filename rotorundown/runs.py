@@ -151,7 +151,7 @@ def read_run(
             a mapping of columns, or a structured array.
         machine: The machine.
         sidecar: Path of another sidecar, for a file.
-        speed_unit: Unit of the speeds.
+        speed_unit: Unit of the speeds; where there is a sidecar, it says all units.
         amplitude_unit: Unit of the amplitudes.
         amplitude_kind: Whether amplitudes are 0-to-peak (`peak`) or peak-to-peak.
         phase_convention: Whether phases lag or lead.
@@ -179,18 +179,23 @@ def read_run(
         raise WrongRun(f"{path} is a folder: name a file of it")
     if sidecar is None and is_plain_table(path):
         return _run_of_plain_file(path, machine, units)
-    return _run_of_recording(path, machine, sidecar_of(path) if sidecar is None else Path(sidecar))
+    return _run_of_recording(path, machine, sidecar_of(path) if sidecar is None else Path(sidecar), units)
 
 
-def _run_of_recording(path: Path, machine: Machine, sidecar: Path) -> MachineRun:
-    """Return the run in a recording with its sidecar. Raises WrongRun."""
+def _run_of_recording(path: Path, machine: Machine, sidecar: Path, units: TableUnits) -> MachineRun:
+    """Return the run in a recording with its sidecar. Raises WrongRun, also where units are given that it contradicts."""
     # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
     from formats.recordings.recorded_runs import read_runs
+    from formats.recordings.recording import read_sidecar
 
     try:
         runs, left_out = read_runs(machine, [path], sidecar)
+        said = read_sidecar(sidecar)
     except (UnreadableFile, Rejected) as error:
         raise WrongRun(str(error)) from None
+    for option, unit in units.given.items():
+        if unit != getattr(said, option):
+            raise WrongRun(f"{path}: {option} says {unit}, but its sidecar {getattr(said, option)}: leave {option} out")
     recorded, measurement = runs[0]
     gap = sent_gaps(measurement, machine)
     return MachineRun(path.name, machine.channels, recorded, measurement, tuple(left_out), gap_um=gap)
@@ -208,7 +213,7 @@ def _run_of_plain_file(path: Path, machine: Machine, units: TableUnits) -> Machi
     except WrongRun as error:
         where = "" if str(path) in str(error) else f"{path}: "
         told = any(option in str(error) for option in UNIT_OPTIONS)
-        sidecar = f" (to a command: in a sidecar, {path.with_suffix('.yaml').name})" if told else ""
+        sidecar = f" (or in a sidecar, {path.with_suffix('.yaml').name})" if told else ""
         raise WrongRun(f"{where}{error}{sidecar}") from None
 
 

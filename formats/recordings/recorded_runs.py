@@ -121,7 +121,8 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
         if circumstances.unnamed:
             unnamed = f"column{'s' * (len(circumstances.unnamed) > 1)} {', '.join(map(repr, circumstances.unnamed))}"
             doubts.append(f"{file}, {unnamed} left out: no numbers, and not named by its sidecar")
-        doubts += [f"{file}: {one}" for one in doubted_times((samples.time - samples.time[0]) * 1e-9, samples.speed)]
+        seconds = (samples.time - samples.time[0]) * 1e-9
+        doubts += [f"{file}: {one}" for one in doubted_times(seconds, samples.speed, dated=circumstances.dated)]
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
     words = [f"{file}, {fault.of_row(kept=bool(taken[fault.index]))}" for fault in faults if not still[fault.index]]
     words += [*(f"{file}, {one}" for one in standstill_words(still)), *([f"{file}: {outside}"] if outside else []), *doubts]

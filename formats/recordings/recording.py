@@ -25,6 +25,7 @@ from formats.files.csv_cells import CsvWriter, cell
 from formats.files.document_files import UnreadableFile, read_yaml
 from formats.files.like_named_files import like_named
 from formats.recordings.empty_table import empty_table_text, is_blank
+from formats.recordings.exported_table import is_number
 from formats.recordings.recorded_table import MissingColumn, RecordedTable
 from formats.recordings.run_times import seconds_since_first, wrong_times
 from formats.recordings.sidecar_place import sidecar_of
@@ -259,7 +260,7 @@ def _times(path: Path, table: RecordedTable, sidecar: Sidecar, count: int) -> li
     seconds = _since_first(moments, f"{path}, column '{sidecar.time}'") if moments else table.column(sidecar.time)
     if not all(abs(s) < LONGEST_S for s in seconds):
         raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
-    if sidecar.kind == "sweep" and (wrong := wrong_times(np.array(seconds))):
+    if sidecar.kind == "sweep" and (wrong := wrong_times(np.array(seconds), dated=bool(moments))):
         raise UnreadableFile(f"{path}, column '{sidecar.time}': {wrong}")
     return [start + round(s * 1e9) for s in seconds]
 
@@ -460,6 +461,7 @@ class RecordedCircumstances(Struct, frozen=True):
         mounting: Name of the mounting of each row.
         scale: The scale of angles on the discs.
         direction: +1 where +x turned to +y, else -1.
+        dated: Whether the times of the rows are dates.
         unnamed: Columns of words that the sidecar of a sweep does not name; rows of dwells have names of their own.
     """
 
@@ -470,6 +472,7 @@ class RecordedCircumstances(Struct, frozen=True):
     mounting: list[str]
     scale: DiscScale
     direction: int
+    dated: bool = False
     unnamed: tuple[str, ...] = ()
 
 
@@ -497,5 +500,6 @@ def read_circumstances(path: Path, sidecar_path: Path | None = None) -> Recorded
         mounting=[path.stem] * len(table.rows) if sidecar.mounting is None else table.words(sidecar.mounting),
         scale=sidecar.disc_scale,
         direction=direction,
+        dated=sidecar.time is not None and not is_number(table.words(sidecar.time)[0]),
         unnamed=tuple(one for one in table.columns_of_words() if sidecar.kind == "sweep" and one not in sidecar.columns),
     )

@@ -11,6 +11,12 @@ EXAMPLE = "2025-01-01 00:00:00"
 """A moment as ISO 8601 has it."""
 LONGEST_LIKELY_S = 6.0 * 3600.0
 """Duration of a run-up or run-down from which on its unit is asked for [s]."""
+SHORTEST_LIKELY_S = 1.0
+"""Duration of a run up to which its unit is asked for [s]."""
+LONGEST_STEP = 300.0
+"""Time between two rows, as a multiple of the usual one, from which on it is doubted [-]."""
+SET_BACK = "give the offset from UTC with each date where the clock was set back, "
+"""What is right for dates of a night in which summer time ends."""
 ONE_WAY = 0.5
 """Least part of all changes of the speed that remains in a run-up or run-down, and not in a machine's speeds over days [-]."""
 
@@ -39,8 +45,8 @@ def seconds_since_first(moments: Sequence[datetime | None]) -> list[float | None
     return [None if one is None or first is None else (one - first).total_seconds() for one in same]
 
 
-def wrong_times(seconds: Floats) -> str:
-    """Return why times (S,) [s] cannot be those of a run, and what would be right; empty where they can."""
+def wrong_times(seconds: Floats, *, dated: bool = False) -> str:
+    """Return why times (S,) [s] cannot be those of a run, and what would be right; empty where they can. dated: are dates."""
     if seconds.size < 2:
         return ""
     steps = np.diff(seconds)
@@ -50,20 +56,34 @@ def wrong_times(seconds: Floats) -> str:
         row = int(np.argmax(steps < 0.0))
         return (
             f"the times go backwards, as from {seconds[row]:g} s in row {row + 1} to {seconds[row + 1]:g} s in row {row + 2}: "
-            "put the rows in order of time, or leave the column out"
+            f"put the rows in order of time, {SET_BACK if dated else ''}or leave the column out"
         )
     return ""
 
 
-def doubted_times(seconds: Floats, speed: Floats) -> list[str]:
-    """Return what is doubted of times (S,) [s] that can be those of a run, in words. speed: (S,), in any unit."""
+def doubted_times(seconds: Floats, speed: Floats, *, dated: bool = False) -> list[str]:
+    """Return what is doubted of times (S,) [s] that can be those of a run, in words.
+
+    speed: (S,), in any unit. dated: whether the times were given as dates, whose unit cannot be wrong.
+    """
     doubts = []
-    back = np.flatnonzero(np.diff(seconds) < 0.0)
+    steps = np.diff(seconds)
+    back = np.flatnonzero(steps < 0.0)
     if back.size:
         row = int(back[0])
         told = f"the times go back {back.size} time{'' if back.size == 1 else 's'}, first from row {row + 1} to row {row + 2}"
-        doubts.append(f"{told}, from {seconds[row]:g} s to {seconds[row + 1]:g} s: are the rows in order of time?")
+        right = f" Put them so, {SET_BACK.removesuffix(', ')}" if dated else ""
+        doubts.append(f"{told}, from {seconds[row]:g} s to {seconds[row + 1]:g} s: are the rows in order of time?{right}")
+    usual = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0
+    if steps.size > 1 and steps.max() > LONGEST_STEP * usual:
+        row = int(np.argmax(steps))
+        told = f"row {row + 2} comes {steps[row]:.3g} s behind row {row + 1}, others {usual:.3g} s behind each other"
+        doubts.append(f"{told}: are these one run, with times in seconds?")
+    if dated:
+        return doubts
     span = float(np.ptp(seconds)) if seconds.size else 0.0
+    if 0.0 < span <= SHORTEST_LIKELY_S:
+        doubts.append(f"the run lasts {span:.2g} s: are its times in days, hours or minutes? Write seconds")
     if span > LONGEST_LIKELY_S and abs(speed[-1] - speed[0]) > ONE_WAY * np.sum(np.abs(np.diff(speed))):
         doubts.append(f"the run lasts {span / 3600.0:.3g} h: are its times in milliseconds? Write seconds")
     return doubts

@@ -76,7 +76,7 @@ LINES: dict[str, tuple[Callable[[list[str]], list[str]], str]] = {
     ),
     "units that are others": (
         lambda lines: [lines[0], units(lines[0], speed="Hz"), *lines[1:]],
-        "column 'speed_rpm [Hz]' is in Hz, but speed_unit says rpm (to a command: in a sidecar, run.yaml)",
+        "column 'speed_rpm [Hz]' is in Hz, but speed_unit says rpm (or in a sidecar, run.yaml)",
     ),
 }
 

@@ -47,7 +47,7 @@ def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path
     assert line.startswith(f"rundown: {tmp_path / 'run.csv'}")
     assert words in line
     # A command has no option for units.
-    assert line.endswith("(to a command: in a sidecar, run.yaml)") is ("_unit" in line)
+    assert line.endswith("(or in a sidecar, run.yaml)") is ("_unit" in line)
 
 
 def test_an_empty_file_is_one_line(tmp_path: Path) -> None:

@@ -129,6 +129,11 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
         {},
         "columns 'B1L_amplitude' and 'B1L_um_pp' hold the amplitude of B1L: which one counts?",
     ),
+    "two times": (
+        lambda frame, _: frame.assign(time=dates(len(frame)), time_s=2.0 * np.arange(len(frame))),
+        {},
+        "columns 'time' and 'time_s' hold the time: which one counts?",
+    ),
     "two speeds": (lambda frame, _: frame.assign(Speed=1.0), {}, "columns 'speed' and 'speed_rpm' hold the speed"),
 }
 

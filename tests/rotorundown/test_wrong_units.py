@@ -202,3 +202,19 @@ def test_units_of_a_table_that_contradict_its_sidecar_are_named(
     with pytest.raises(WrongRun, match=re.escape(words)) as raised:
         rd.read_run(file, machine=pump)
     one_line(raised)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"speed_unit": "Hz"}, "speed_unit says Hz, but its sidecar rpm: leave speed_unit out"),
+        ({"amplitude_unit": "mil"}, "amplitude_unit says mil, but its sidecar um: leave amplitude_unit out"),
+        ({"phase_unit": "rad"}, "phase_unit says rad, but its sidecar deg: leave phase_unit out"),
+    ],
+)
+def test_units_that_are_given_beside_a_sidecar_are_those_it_says(pump: Machine, given: dict[str, Any], words: str) -> None:
+    recording = PUMP.parent / "recordings" / "motor-pump.csv"
+    with pytest.raises(WrongRun, match=words) as raised:
+        rd.read_run(recording, machine=pump, **given)
+    one_line(raised)
+    assert len(rd.read_run(recording, machine=pump, phase_unit="deg", speed_unit="rpm")) == 200

@@ -53,6 +53,14 @@ def test_a_local_clock_ahead_of_utc_is_no_wrong_one(tmp_path: Path) -> None:
     assert (recorded.speed.size, left_out) == (3, [])
 
 
+def test_dates_over_a_day_are_not_asked_for_milliseconds(tmp_path: Path) -> None:
+    """Those of seconds are."""
+    days = dated(tmp_path)
+    text = days.read_text().replace("2025-01-01 12:00:01.25", "2025-01-02 12:00:00")
+    days.write_text(text.replace("2025-01-01 12:00:00.5", "2025-01-01 23:30:00"))
+    assert read_runs(machine(), [days])[1] == []
+
+
 def test_a_time_zone_in_some_rows_is_one_line(tmp_path: Path) -> None:
     path = dated(tmp_path)
     path.write_text(path.read_text().replace("12:00:00,", "12:00:00Z,"))
@@ -92,6 +100,22 @@ def test_times_are_judged_as_a_whole() -> None:
     hours = np.array([0.0, 20e3, 36e3])
     assert doubted_times(hours, np.arange(3.0)) == ["the run lasts 10 h: are its times in milliseconds? Write seconds"]
     assert doubted_times(hours, np.array([300.0, 400.0, 310.0])) == []  # of a machine that works
+    assert doubted_times(hours, np.arange(3.0), dated=True) == []
+    days = np.arange(200.0) * 3.0 / 86400.0
+    (short,) = doubted_times(days, np.arange(200.0))
+    assert short == "the run lasts 0.0069 s: are its times in days, hours or minutes? Write seconds"
+    (jump,) = doubted_times(np.append(np.arange(200.0), 4000.0), np.arange(201.0))
+    assert jump.startswith("row 201 comes 3.8e+03 s behind row 200, others 1 s behind each other: are these one run")
+
+
+def test_clocks_that_are_set_back_are_asked_for() -> None:
+    back = np.array([0.0, 297.0, -3300.0, -3297.0])
+    assert "offset from UTC with each date where the clock was set back, or leave" in wrong_times(back, dated=True)
+    assert "UTC" not in wrong_times(back)
+    (doubt,) = doubted_times(np.array([0.0, 297.0, 294.0, 600.0]), np.arange(4.0), dated=True)
+    assert doubt.endswith(
+        "in order of time? Put them so, give the offset from UTC with each date where the clock was set back"
+    )
 
 
 def test_moments_of_several_zones_are_counted_in_one() -> None:
