@@ -17,7 +17,7 @@ from formats.files.document_files import UnreadableFile
 from formats.recordings.exported_table import asks_for_thousands, lost_thousands
 from formats.recordings.phase_units import contradicted_phase_unit, is_possible_of_one_channel, look_like_radians
 from formats.recordings.plain_table import read_plain_table
-from formats.recordings.run_times import doubted_times, wrong_times
+from formats.recordings.run_times import EXAMPLE, doubted_times, wrong_times
 from formats.recordings.standstill import at_standstill, standstill_words
 from formats.wire import LARGEST_AMPLITUDE, OVERSPEED, WIRE_SCHEMA, SampleBatch, to_samples
 from rotorundown.run_columns import (
@@ -118,7 +118,7 @@ class RunTable(Struct, frozen=True, eq=False):
         samples, taken, faults = to_samples(batch, machine, received_at=now())
         still = at_standstill(samples.speed, taken)
         taken = taken & ~still
-        doubts += [] if self.time is None else doubted_times(seconds, speed, dated=self.dated)
+        doubts += [] if self.time is None else self._doubted_times(seconds, speed)
         doubted = tuple(f"{name}, {words}" for words in (*doubts, *_doubted_phases(channels, phase, units.phase)))
         rows = [fault.of_row(kept=bool(taken[fault.index])) for fault in faults if not still[fault.index]]
         rejected = (f"{name}, {words}" for words in (*rows, *standstill_words(still)))
@@ -126,6 +126,14 @@ class RunTable(Struct, frozen=True, eq=False):
         if not np.any(taken):
             raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")
         return samples.pick(taken), left_out
+
+    def _doubted_times(self, seconds: Floats, speed: Floats) -> list[str]:
+        """Return what is doubted of the times, and where a column beside them holds their dates."""
+        doubts = doubted_times(seconds, speed, dated=self.dated)
+        date = next((one for one in self.unread if one.casefold().startswith("date")), None)
+        if doubts and date is not None:
+            doubts.append(f"column '{date}' seems part of the times: write both as one column time, such as {EXAMPLE}")
+        return doubts
 
     def _channels(self, machine: Machine) -> list[str]:
         """Return the channels whose amplitudes the table has. Raises WrongRun where there are none."""

@@ -136,7 +136,7 @@ def _rows(text: str) -> tuple[list[tuple[int, ExportedRow]], dict[str, str]]:
 def _plain_rows(text: str) -> list[tuple[int, ExportedRow]]:
     """Return the rows below a header in the first line, each with the number of its line."""
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
-    return [(reader.line_num, row) for row in reader]
+    return [(reader.line_num, row) for row in reader if any(row.values())]  # spreadsheets write blank ones below a table
 
 
 def _is_of(column: str, short: str) -> bool:

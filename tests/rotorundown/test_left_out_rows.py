@@ -17,6 +17,11 @@ from tests.rotorundown.wrong_input import PUMP
 STILL = "left out: at standstill (0 r/min) there is no vibration at the running speed"
 
 
+def dates(count: int) -> list[str]:
+    """Return the dates of samples three seconds apart, by the minute."""
+    return [f"2025-01-01 00:{3 * row // 60:02}" for row in range(count)]
+
+
 def coasted(run: rd.MachineRun, *, rows: int = 1) -> Any:
     """A run as a data frame that goes on for some rows after the machine stands."""
     frame = run.to_frame()
@@ -108,3 +113,31 @@ def test_times_that_are_doubted_are_told(pump: Machine, run: rd.MachineRun) -> N
     assert said == "run, the times go back 1 time, first from row 5 to row 6, from 5 s to 4 s: are the rows in order of time?"
     equal = frame.assign(time_s=np.arange(len(frame)) // 2)
     assert rd.read_run(equal, machine=pump).left_out == ()
+
+
+def test_rows_of_blank_cells_are_none_beside_a_sidecar(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    file = file_with_sidecar(tmp_path, pump, run)
+    lines = file.read_text().splitlines()[:-1]
+    file.write_text("\n".join([*lines, "," * lines[0].count(","), "," * lines[0].count(",")]) + "\n")
+    read = rd.read_run(file, machine=pump)
+    assert (len(read), read.left_out) == (len(run), ())
+
+
+def test_a_date_beside_times_within_the_minute_is_told(pump: Machine, run: rd.MachineRun) -> None:
+    count = len(run)
+    frame = run.to_frame().drop(columns="time_s").assign(Date=dates(count), Time=3.0 * np.arange(count) % 60.0)
+    said = rd.read_run(frame, machine=pump).left_out
+    assert (
+        "run, the times go back 9 times, first from row 20 to row 21, from 57 s to 0 s: are the rows in order of time?" in said
+    )
+    assert "run, column 'Date' seems part of the times: write both as one column time, such as 2025-01-01 00:00:00" in said
+    assert not any("seems part" in one for one in rd.read_run(frame.assign(Time=np.arange(count)), machine=pump).left_out)
+
+
+def test_dates_over_a_day_are_not_asked_for_milliseconds(pump: Machine, run: rd.MachineRun) -> None:
+    days = pandas.date_range("2025-01-01", periods=len(run), freq="10min")
+    frame = run.to_frame()
+    assert rd.read_run(frame.drop(columns="time_s").set_index(days), machine=pump).left_out == ()
+    assert rd.read_run(frame.drop(columns="time_s").assign(time=days.astype(str)), machine=pump).left_out == ()
+    (said,) = rd.read_run(frame.assign(time_s=600.0 * np.arange(len(run))), machine=pump).left_out
+    assert said.endswith("are its times in milliseconds? Write seconds")
