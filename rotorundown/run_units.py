@@ -86,7 +86,7 @@ def standard_names(headers: Sequence[str], channels: Sequence[str], units: Table
     """Return the standard name of each header whose meaning is certain, of any other itself.
 
     Letter case does not matter, nor do spaces for `_`; `Speed [rpm]` is `speed`. Raises WrongRun where a header states another
-    unit than the table's, or two mean the same.
+    unit than the table's or one that is not known, or two mean the same.
     """
     folded = [_folded(one) for one in channels]
     known = {plain: one for plain, one in zip(folded, channels, strict=True) if folded.count(plain) == 1}
@@ -102,10 +102,11 @@ def standard_names(headers: Sequence[str], channels: Sequence[str], units: Table
         if name in meant:
             raise WrongRun(f"columns '{meant[name]}' and '{header}' are both '{name}': which one counts?")
         meant[name] = header
+    taken = set(map(_unfixed, meant))
     for header, (name, unit, options) in unknown.items():
-        if name not in meant:  # else another column is what this one might have been
-            right = ", ".join(f"{one} is one of {', '.join(get_args(UNIT_OPTIONS[one]))}" for one in options)
-            raise WrongRun(f"column '{header}': its unit '{unit}' is not known: {right}")
+        if _unfixed(name) not in taken:  # else another column is what this one might have been
+            right = " and ".join(f"one of {', '.join(get_args(UNIT_OPTIONS[one]))}" for one in options)
+            raise WrongRun(f"column '{header}': its unit '{unit}' is not known: write {right}")
     names = {header: name for name, header in meant.items()}
     return {header: names.get(header, header) for header in headers}
 
@@ -143,8 +144,10 @@ def _require_stated(header: str, name: str, stated: Mapping[str, str], units: Ta
 
 
 def _unfixed(name: str) -> str:
-    """Return the name of a column that states no unit, for one that does."""
+    """Return the standard name that states no unit, of a column whose name may state one."""
     if name in SPEED_COLUMNS:
         return SPEED_COLUMNS[0]
-    of = name.removesuffix(AMPLITUDE_ENDS[1])
-    return f"{of}{AMPLITUDE_ENDS[0]}" if of != name else f"{name.removesuffix(PHASE_ENDS[1])}{PHASE_ENDS[0]}"
+    for without, stating in (AMPLITUDE_ENDS, PHASE_ENDS):
+        if name.endswith(stating):
+            return f"{name.removesuffix(stating)}{without}"
+    return name

@@ -16,7 +16,7 @@ SHORTEST_LIKELY_S = 1.0
 LONGEST_STEP = 300.0
 """Time between two rows, as a multiple of the usual one, from which on it is doubted [-]."""
 SET_BACK = "give the offset from UTC with each date where the clock was set back, "
-"""What is right for dates of a night in which summer time ends."""
+"""Words on dates of a night in which summer time ends."""
 ONE_WAY = 0.5
 """Least part of all changes of the speed that remains in a run-up or run-down, and not in a machine's speeds over days [-]."""
 

@@ -72,7 +72,7 @@ LINES: dict[str, tuple[Callable[[list[str]], list[str]], str]] = {
     ),
     "units that are not known": (
         lambda lines: [lines[0], units(lines[0]).replace("µm pp", "mm/s", 1), *lines[1:]],
-        "column 'B1L_um_pp [mm/s]': its unit 'mm/s' is not known: amplitude_unit is one of m, mm, um, mil",
+        "column 'B1L_um_pp [mm/s]': its unit 'mm/s' is not known: write one of m, mm, um, mil and one of peak",
     ),
     "units that are others": (
         lambda lines: [lines[0], units(lines[0], speed="Hz"), *lines[1:]],

@@ -49,12 +49,12 @@ MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
     "units in names": (
         lambda frame, _: frame.rename(columns={"speed_rpm": "Speed [x]"}),
         {},
-        "column 'Speed [x]': its unit 'x' is not known: speed_unit is one of rpm, rad/s, Hz",
+        "column 'Speed [x]': its unit 'x' is not known: write one of rpm, rad/s, Hz",
     ),
     "another kind in brackets": (
         lambda frame, _: frame.rename(columns={"B1L_um_pp": "B1L Amplitude (µm rms)"}),
         {},
-        "its unit 'µm rms' is not known: amplitude_unit is one of m, mm, um, mil, amplitude_kind is one of peak, peak-to-peak",
+        "its unit 'µm rms' is not known: write one of m, mm, um, mil and one of peak, peak-to-peak",
     ),
     "a unit twice in brackets": (
         lambda frame, _: frame.rename(columns={"B1L_um_pp": "B1L Amplitude (µm mil)"}),
@@ -233,3 +233,8 @@ def test_dates_of_an_index_go_through_a_file(pump: Machine, run: rd.MachineRun, 
     untimed(run).to_csv(file)
     read = rd.read_run(file, machine=pump)
     assert (read.recorded.time, read.left_out) == (None, ())
+
+
+def test_a_column_of_another_kind_beside_that_of_a_channel_is_left_out(pump: Machine, run: rd.MachineRun) -> None:
+    (said,) = rd.read_run(run.to_frame().assign(**{"B1L Amplitude (overall)": 1.0}), machine=pump).left_out
+    assert said == "run, column 'B1L Amplitude (overall)' left out: of no channel of 'motor-pump'"
