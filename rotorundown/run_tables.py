@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.close_matches import MOST_MATCHES, close_names, did_you_mean
@@ -41,6 +42,8 @@ LIKE_TIMES = ("time", "date", "seconds")
 """Beginnings of names, in small letters, of columns that seem to hold times."""
 BEGINNING_NS = 946_771_200_000_000_000
 """Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
+FIRST_LINE = 2
+"""Line of the first row, where the header is the first line of a file."""
 MOST_LISTED = 12
 """Most columns of a table that an error lists."""
 WIDE_PHASES_DEG = 90.0
@@ -54,11 +57,15 @@ FEWEST_BELOW_OVERSPEED = 0.5
 
 
 class RunTable(Struct, frozen=True, eq=False):
-    """Columns (S,) of a run by name, what is wrong with those that hold no numbers, and whether its times are dates."""
+    """Columns (S,) of a run by name, what is wrong with those that hold no numbers, and whether its times are dates.
+
+    first_line: line of its file in which the first row is.
+    """
 
     columns: Mapping[str, Floats]
     unread: Mapping[str, str] = {}
     dated: bool = False
+    first_line: int = FIRST_LINE
 
     @classmethod
     def of(cls, source: Any) -> "RunTable":
@@ -75,7 +82,7 @@ class RunTable(Struct, frozen=True, eq=False):
             raise WrongRun(wrong)
         if {*TIME_COLUMNS} <= {*names.values()}:
             raise WrongRun(f"columns {' and '.join(map(repr, TIME_COLUMNS))} hold the time: which one counts?")
-        return RunTable({names[header]: column for header, column in self.columns.items()}, self.unread, self.dated)
+        return replace(self, columns={names[header]: column for header, column in self.columns.items()})
 
     @property
     def time(self) -> Floats | None:
@@ -210,12 +217,13 @@ def read_csv_table(path: Path) -> RunTable:
     Raises WrongRun.
     """
     try:
-        header, rows = read_plain_table(path)
+        header, rows, line = read_plain_table(path)
     except UnreadableFile as error:
         raise WrongRun(str(error)) from None
     names = [name or f"{UNNAMED}{place}" for place, name in enumerate(header)]
     require_different(list(map(known_name, names)))
-    return RunTable.of(dict(zip(names, map(list, zip(*rows, strict=True)), strict=True)))
+    table = RunTable.of(dict(zip(names, map(list, zip(*rows, strict=True)), strict=True)))
+    return replace(table, first_line=line)
 
 
 def _first_names(columns: Iterable[str]) -> str:

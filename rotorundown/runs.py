@@ -29,7 +29,7 @@ from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_columns import GAP_END, WrongRun
-from rotorundown.run_tables import RunTable, read_csv_table
+from rotorundown.run_tables import FIRST_LINE, RunTable, read_csv_table
 from rotorundown.run_units import UNIT_OPTIONS, TableUnits
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
@@ -208,13 +208,17 @@ def sent_gaps(measurement: Measurement, machine: Machine) -> Floats | None:
 
 def _run_of_plain_file(path: Path, machine: Machine, units: TableUnits) -> MachineRun:
     """Return the run in a table without a sidecar. Raises WrongRun, which names the file and where its units are told."""
+    first = FIRST_LINE
     try:
-        return _run_of_table(read_csv_table(path), path.name, machine, units)
+        table = read_csv_table(path)
+        first = table.first_line
+        return _run_of_table(table, path.name, machine, units)
     except WrongRun as error:
         where = "" if str(path) in str(error) else f"{path}: "
+        counted = f" (row 1 is line {first})" if first != FIRST_LINE and " row " in str(error) else ""
         told = any(option in str(error) for option in UNIT_OPTIONS)
         sidecar = f" (or in a sidecar, {path.with_suffix('.yaml').name})" if told else ""
-        raise WrongRun(f"{where}{error}{sidecar}") from None
+        raise WrongRun(f"{where}{error}{counted}{sidecar}") from None
 
 
 def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnits) -> MachineRun:

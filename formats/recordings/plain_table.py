@@ -34,10 +34,10 @@ def separator_of(header: str, first: str = "") -> str:
     return next(alike, ",") if "," in header else next((sign for sign in OTHER_SEPARATORS if sign in header), ",")
 
 
-def read_plain_table(path: Path) -> tuple[list[str], list[list[str]]]:
+def read_plain_table(path: Path) -> tuple[list[str], list[list[str]], int]:
     """Return the names in a table's header, with their units in brackets where a line below has them, and its rows.
 
-    Raises UnreadableFile.
+    Last comes the number of the line in which the first row is. Raises UnreadableFile.
     """
     try:
         text = decoded(path.read_bytes())
@@ -61,10 +61,9 @@ def read_plain_table(path: Path) -> tuple[list[str], list[list[str]]]:
     if all(len(cells) == len(header) + 1 and not cells[-1] for _, cells in body):
         body = [(line, cells[:-1]) for line, cells in body]  # a separator behind each row, and none behind the header
     _require_whole(path, first, header, body)
-    if separator == ",":
-        return header, [cells for _, cells in body]
     point = decimal_points(separator)
-    return header, [[point(cell) for cell in cells] for _, cells in body]
+    plain = separator == ","
+    return header, [cells if plain else [point(cell) for cell in cells] for _, cells in body], body[0][0]
 
 
 def _lines(text: str) -> tuple[str, list[tuple[int, str]]]:

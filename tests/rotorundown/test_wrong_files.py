@@ -70,6 +70,10 @@ LINES: dict[str, tuple[Callable[[list[str]], list[str]], str]] = {
         lambda lines: [lines[0], ",".join(["n/a"] * (lines[0].count(",") + 1)), *lines[1:]],
         "column 'time_s', row 1: 'n/a' is not a number",
     ),
+    "a word below lines about the export": (
+        lambda lines: ["# pump 12", "", lines[0], units(lines[0]), lines[1], lines[2].replace(",", ",low", 1), *lines[3:]],
+        "is not a number (row 1 is line 5)",
+    ),
     "units that are not known": (
         lambda lines: [lines[0], units(lines[0]).replace("µm pp", "mm/s", 1), *lines[1:]],
         "column 'B1L_um_pp [mm/s]': its unit 'mm/s' is not known: write one of m, mm, um, mil and one of peak",
