@@ -66,9 +66,7 @@ def test_a_run_is_identified_again_beside_the_probe_that_its_diagnosis_names(dat
         close(database, train, machine, weeks=range(BASELINE), gain=1.0)
         wait_until(lambda: counts(database) == {"done": BASELINE}, seconds=PATIENCE_S)
         close(database, train, machine, weeks=[BASELINE], gain=GAIN)
-        wait_until(
-            lambda: counts(database) == {"done": BASELINE + 1}, seconds=PATIENCE_S
-        )  # else the later one may come first
+        wait_until(lambda: counts(database) == {"done": BASELINE + 1}, seconds=PATIENCE_S)  # else the later one may come first
         close(database, train, machine, weeks=[NAMED], gain=GAIN)
         wait_until(lambda: counts(database) == {"done": BASELINE + 3}, seconds=PATIENCE_S)  # it names the probe: twice
         close(database, train, machine, weeks=[NAMED + 1], gain=GAIN)
