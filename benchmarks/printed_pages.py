@@ -163,7 +163,32 @@ what then happens, fault by fault, is in [faults.md](faults.md).""",
         ),
     ),
 )
-PAGES = {"run-downs": RUN_DOWNS, "service": SERVICE, "faults": FAULTS}
+MODEL = PrintedPage(
+    "evidence-model.md",
+    """\
+# The evidence: what follows from a fit
+
+How often intervals of what is derived from identifications hold the truth, on simulated machines. Seeds are stated in the code,
+so that the same numbers come again; times are those of the machine that ran it.""",
+    (
+        PrintedSection(
+            "Bands of a model's results",
+            "The Chapter 3 train, identified from noise drawn again and again.",
+            ("benchmarks.estimator.updated_model",),
+        ),
+        PrintedSection(
+            "Quantities of every identification",
+            "Drawn machines of three examples, with what computing these quantities costs beside the fit.",
+            ("benchmarks.estimator.derived",),
+        ),
+        PrintedSection(
+            "Trends",
+            "Probabilities of deviations from baselines of few runs, and the rate of change with the default limits.",
+            ("benchmarks.estimator.trend_tests",),
+        ),
+    ),
+)
+PAGES = {"run-downs": RUN_DOWNS, "model": MODEL, "service": SERVICE, "faults": FAULTS}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

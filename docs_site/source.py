@@ -72,6 +72,7 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
         "evidence-calibration.md",
         "evidence-estimator.md",
         "evidence-run-downs.md",
+        "evidence-model.md",
         "evidence-service.md",
         "evidence-faults.md",
         "fleets.md",

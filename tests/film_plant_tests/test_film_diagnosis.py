@@ -250,7 +250,7 @@ def test_a_probe_that_read_too_little_in_the_earlier_run_is_no_change_of_the_ali
     assert found.verdict.startswith("no change of the alignment of C1 is certain")
 
 
-@pytest.mark.parametrize("size", [0.7, pytest.param(2.0, marks=pytest.mark.long), 15.0])
+@pytest.mark.parametrize("size", [*(pytest.param(one, marks=pytest.mark.long) for one in (0.7, 2.0)), 15.0])
 def test_a_run_out_of_one_probe_is_told_with_its_size_and_nothing_else_is(size: float) -> None:
     """Films may take up a small one by deviating; a large one leaves nothing of the channel."""
     found = diagnosed(lambda one: one, run_outs={"B4X": size * 1e-6 * np.exp(0.7j)})

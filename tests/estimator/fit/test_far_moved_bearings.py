@@ -49,6 +49,7 @@ def lifted(options: Options | None = None) -> Identification:
     return identify(machine(), measured(later, seed=2), options, beginning=healthy().point)
 
 
+@pytest.mark.long
 def test_a_shaft_that_has_moved_far_is_found_where_it_stands() -> None:
     found = lifted()
     assert found.accepted, found.verdict

@@ -337,7 +337,7 @@ def test_zeros_below_the_floor_are_values_like_any_other() -> None:
     assert np.abs(standardised(found)).max() < 4.0
 
 
-@pytest.mark.parametrize("diameter", [0.0202, 0.021])
+@pytest.mark.parametrize("diameter", [0.0202, pytest.param(0.021, marks=pytest.mark.long)])
 def test_wrong_model_is_not_accepted_and_says_so(diameter: float) -> None:
     document = chapter_3_document()
     document["shafts"][0]["sections"][0]["outer_diameter"] = diameter

@@ -1,5 +1,6 @@
 """Results of a model: in the units of plants, for one speed or several, as tables, as data frames, and in notebooks."""
 
+import functools
 import re
 from collections.abc import Callable
 from decimal import Decimal
@@ -50,6 +51,7 @@ def test_stated_unbalances_move_the_model_of_a_document(pump: Machine) -> None:
     assert [one.angle_deg for one in found] == pytest.approx([210.0] * len(pump.discs), abs=1e-3)
 
 
+@functools.cache
 def tables(model: rd.Model, speed: Any) -> list[ResultTable]:
     return [model.critical_speeds(), model.campbell(), *(compute(model, speed) for compute in AT_SPEEDS.values())]
 

@@ -112,9 +112,6 @@ def test_a_model_of_the_document_alone() -> None:
     assert len(curves["speed_rpm"]) == len(curves["modes"][0]["frequency_cpm"])
     assert found["modes"][0]["speed_rpm"] == 1450.0
     assert found["coupling_loads"], "by the unbalances that the document states"
-    films = printed("model", str(EXAMPLES / "motor-compressor.yaml"))
-    assert films["whirl_from_rpm"] == pytest.approx(5097, abs=3)
-    assert films["critical_speeds"]
 
 
 def test_a_comparison_and_slow_roll(recordings: tuple[str, str]) -> None:

@@ -112,6 +112,7 @@ def test_the_static_state_of_films_needs_no_run() -> None:
     assert "The train would whirl from 509" in text
 
 
+@pytest.mark.long
 def test_tilting_pads_are_reported_as_other_films() -> None:
     text = run("model", "examples/turbine-on-tilting-pads.yaml", "--service-rpm", "6000")
     rows = [line.split() for line in text.splitlines() if line.split()[:1] in (["B1"], ["B2"], ["B3"], ["B4"])]

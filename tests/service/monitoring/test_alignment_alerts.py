@@ -165,6 +165,7 @@ def test_what_is_within_tolerance_is_reported_as_a_change(weeks: FilmWeeks) -> N
     assert words_of(alert).startswith("Coupling C1 has changed its alignment: the driven shaft lies ")
 
 
+@pytest.mark.long
 def test_what_stands_for_months_is_reported_since_it_began(weeks: FilmWeeks) -> None:
     """The newest runs alone say what is there, all of them since when."""
     weeks.file(sunk(120e-6), times=2)

@@ -101,6 +101,7 @@ def test_no_two_channels_explain_what_three_have_done() -> None:
     assert "it would be accepted" not in found.verdict
 
 
+@pytest.mark.long
 def test_a_beginning_without_a_model_is_left_out() -> None:
     """A bearing that stands in its shaft has no film."""
     beginning = healthy().point.copy()
