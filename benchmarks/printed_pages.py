@@ -168,7 +168,7 @@ MODEL = PrintedPage(
     """\
 # The evidence: what follows from a fit
 
-How often intervals of what is derived from identifications hold the truth, on simulated machines. Seeds are stated in the code,
+How often intervals of what is derived from identifications hold the truth, on simulated machines. Seeds stand in the code,
 so that the same numbers come again; times are those of the machine that ran it.""",
     (
         PrintedSection(
