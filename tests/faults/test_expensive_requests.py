@@ -58,6 +58,7 @@ def attacked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
         store.close()
 
 
+@pytest.mark.long
 def test_a_flood_of_all_kinds_keeps_nobody_of_another_plant_waiting(attacked: Attacked) -> None:
     kinds = [FLOODS[what] for what in FLOODS if what not in SLOW]
     _hold(attacked, lambda stored, number: kinds[number % len(kinds)](stored, number // len(kinds)), at_once=AT_ONCE)

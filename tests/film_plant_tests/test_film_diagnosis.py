@@ -227,6 +227,7 @@ def test_a_comparison_of_two_runs_calls_wear_no_change_of_the_alignment() -> Non
     )
 
 
+@pytest.mark.long
 def test_a_comparison_beside_a_probe_that_reads_too_much_leaves_open_what_that_has_moved() -> None:
     later = gated(run_of(sunk(40e-6)(plant()), np.random.default_rng(5)), 100, baseline()[0], gains={"B2X": 1.08})
     found = compared_identifications(machine(), baseline()[0], later, "C1")

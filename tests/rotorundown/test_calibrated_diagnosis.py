@@ -51,12 +51,14 @@ def misaligned(machine: Machine, calibrated: Machine) -> list[rd.Result]:
     return [rd.identify(calibrated, run) for run in runs]
 
 
+@pytest.mark.long
 def test_healthy_runs_fit_the_calibration(healthy: list[rd.Result]) -> None:
     assert all(one.accepted and CHANGED not in one.verdict for one in healthy), [one.verdict for one in healthy]
     away = [float(one) for result in healthy for one in re.findall(r"furthest from it, by ([\d.]+)", result.verdict)]
     assert max(away, default=0.0) < FAR, away
 
 
+@pytest.mark.long
 def test_a_coupling_that_goes_out_of_alignment_is_told(healthy: list[rd.Result], misaligned: list[rd.Result]) -> None:
     assert all(one.accepted and CHANGED in one.verdict for one in misaligned), [one.verdict for one in misaligned]
     found = rd.diagnose(healthy, misaligned, runs_that_agree=MISALIGNED)
@@ -64,6 +66,7 @@ def test_a_coupling_that_goes_out_of_alignment_is_told(healthy: list[rd.Result],
     assert [(one.kind, one.element) for one in found.causes] == [("misalignment", "coupling.C1")]
 
 
+@pytest.mark.long
 def test_unbalances_are_not_told_as_gained_where_a_coupling_has_changed(
     calibrated: Machine, misaligned: list[rd.Result]
 ) -> None:

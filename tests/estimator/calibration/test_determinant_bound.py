@@ -1,6 +1,7 @@
 """The bound of the logarithm of a determinant touches it, lies above it, ends at gains of zero, and has the slope it says."""
 
 import numpy as np
+import pytest
 
 from benchmarks.calibration.simulated_trains import MountedTrain
 from benchmarks.calibration.wrong_weights import KINDS, stated
@@ -57,6 +58,7 @@ def test_derivatives_are_those_of_the_value() -> None:
     np.testing.assert_allclose(curvature, differences(lambda at: found.derivatives(at)[0], there), rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.long
 def test_a_fit_of_weights_that_tell_nothing_comes_to_an_end() -> None:
     """Each run has the weights of the next: gains went through zero to and fro from pass to pass, and no pass converged."""
     plant = MountedTrain("motor-pump", 0)

@@ -181,6 +181,7 @@ def test_a_restore(tmp_path: Path) -> None:
     assert found["access"]["waiting"] == []
 
 
+@pytest.mark.long
 def test_a_static_state_on_oil_films() -> None:
     found = printed("model", str(EXAMPLES / "motor-compressor.yaml"))
     (state,) = next(one["equilibria"] for one in found["states"] if one["speed_rpm"] == found["service_rpm"])
