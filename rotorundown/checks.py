@@ -13,7 +13,7 @@ from estimator.statics.whirl_in_range import instability_words
 from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.machine_files import WrongMachine, checked_machine
 from rotorundown.run_columns import WrongRun
-from rotorundown.runs import MachineRun
+from rotorundown.runs import MachineRun, other_channels
 
 
 class CheckedRun(Struct, frozen=True, eq=False):
@@ -94,9 +94,8 @@ def check(machine: Machine, runs: MachineRun | Iterable[MachineRun] = ()) -> Che
     for one in those:
         if not isinstance(one, MachineRun):
             raise WrongRun(f"one of runs is a {type(one).__name__}: read it first, with read_run(…, machine=machine)")
-        if one.channels != machine.channels:
-            known = f"machine '{machine.id}' has {', '.join(machine.channels)}"
-            raise WrongRun(f"run '{one.name}' has the channels {', '.join(one.channels)}, {known}: read it with this machine")
+        if other := other_channels(one, machine):
+            raise WrongRun(other)
     checked = checked_machine(machine)
     return Checked(checked, all_warnings(checked), tuple(checked_run(checked, one) for one in those))
 

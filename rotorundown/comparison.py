@@ -21,7 +21,7 @@ from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.identification import identify
 from rotorundown.result import Result, require_result
-from rotorundown.runs import MachineRun
+from rotorundown.runs import MachineRun, other_channels
 from rotorundown.summaries.comparison_summary import alignment_rows, comparison_text, coupling_rows
 from rotorundown.summaries.estimate_summary import within_screen
 
@@ -131,11 +131,8 @@ def _later_runs(machine: Machine, given: Any) -> list[MachineRun]:
             raise NotComparable("a later run is a Result: give the runs that it was identified from, result.runs")
         if not isinstance(run, MachineRun):
             raise NotComparable(f"a later run is a {type(run).__name__}: read it first, with read_run(…, machine=…)")
-        if run.channels != machine.channels:
-            raise NotComparable(
-                f"run '{run.name}' has the channels {', '.join(run.channels)}, machine '{machine.id}' has "
-                f"{', '.join(machine.channels)}: read it with this machine"
-            )
+        if other := other_channels(run, machine):
+            raise NotComparable(other)
     return runs
 
 

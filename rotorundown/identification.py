@@ -16,7 +16,7 @@ from rotorundown.copied_runs import copied_run, copy_words
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.machine_files import checked_machine
 from rotorundown.result import Result
-from rotorundown.runs import MachineRun
+from rotorundown.runs import MachineRun, other_channels
 
 
 class NothingToIdentify(Invalid):
@@ -68,11 +68,8 @@ def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
     for run in runs:
         if not isinstance(run, MachineRun):
             raise NothingToIdentify(f"a run is a {type(run).__name__}: read it first, with read_run(…, machine=…)")
-        if run.channels != machine.channels:
-            raise NothingToIdentify(
-                f"run '{run.name}' has the channels {', '.join(run.channels)}, machine '{machine.id}' has "
-                f"{', '.join(machine.channels)}: read it with this machine"
-            )
+        if other := other_channels(run, machine):
+            raise NothingToIdentify(other)
     if copied := copied_run(runs):
         raise NothingToIdentify(copy_words(copied))
 

@@ -127,6 +127,14 @@ class MachineRun(Struct, frozen=True, eq=False):
         return notebook_text(self)
 
 
+def other_channels(run: MachineRun, machine: Machine) -> str:
+    """Return what is wrong where a run has other channels than a machine, nothing where it has the same."""
+    if run.channels == machine.channels:
+        return ""
+    known = f"machine '{machine.id}' has {', '.join(machine.channels)}"
+    return f"run '{run.name}' has the channels {', '.join(run.channels)}, {known}: read it with this machine"
+
+
 def read_run(
     source: Any,
     *,
