@@ -194,7 +194,7 @@ def _run_of_recording(path: Path, machine: Machine, sidecar: Path, units: TableU
     """Return the run in a recording with its sidecar. Raises WrongRun, also where units are given that it contradicts."""
     # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
     from formats.recordings.recorded_runs import read_runs
-    from formats.recordings.recording import read_sidecar
+    from formats.recordings.sidecar import read_sidecar
 
     try:
         runs, left_out = read_runs(machine, [path], sidecar)

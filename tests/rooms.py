@@ -59,8 +59,9 @@ storage/operation: estimator storage storage/alerts storage/database storage/enc
 formats:
 formats/files: estimator estimator/bearings estimator/machine estimator/machine/checks
 formats/wire: estimator estimator/machine estimator/phasors storage storage/encoding
+formats/measuring_systems: estimator storage
 formats/recordings: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs formats/files
-    formats/wire storage storage/files
+    formats/measuring_systems formats/wire storage storage/files
 service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/export: estimator/machine estimator/phasors formats/files storage storage/database storage/encoding
     storage/files storage/machines storage/measurements storage/tables
@@ -79,14 +80,15 @@ rotorundown/plots: estimator estimator/fit estimator/fit/omitted_errors estimato
 rotorundown/summaries: estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/identification estimator/machine estimator
 rotorundown/ross: estimator estimator/machine estimator/machine/checks
-rotorundown/model_results: estimator estimator/modes estimator/rotor estimator/updated_model rotorundown/environment
+rotorundown/model_results: estimator estimator/balancing estimator/modes estimator/rotor estimator/updated_model
+    rotorundown/environment
 rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/identification estimator/machine estimator/machine/checks estimator/phasors
     estimator/simulation estimator/statics estimator/updated_model formats/files formats/recordings formats/wire
     rotorundown/environment rotorundown/model_results rotorundown/plots rotorundown/ross rotorundown/summaries storage
     storage/encoding
 service/workers: rotorundown/environment service/configuration service/resilience
-service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
+service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/measuring_systems
     formats/wire service/configuration service/sources storage
 service/monitoring/rules: estimator estimator/diagnosis estimator/machine service/alerts service/wording
 service/balancing: estimator estimator/balancing estimator/calibration estimator/fit estimator/machine estimator/phasors
@@ -114,11 +116,11 @@ service/identification: estimator estimator/balancing estimator/calibration esti
     estimator/phasors estimator/runs estimator/updated_model rotorundown/environment service/balancing
     service/configuration service/monitoring service/replication service/resilience service/workers storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
-service/reports: estimator estimator/alignment estimator/diagnosis estimator/machine estimator/phasors estimator/statics
-    estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
-    service/identification service/monitoring service/replication service/resilience
-    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
-    storage/measurements storage/tables
+service/reports: estimator estimator/alignment estimator/balancing estimator/diagnosis estimator/machine
+    estimator/phasors estimator/statics estimator/updated_model service/advice service/alerts service/balancing
+    service/configuration service/delivery service/identification service/monitoring service/replication
+    service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
+    storage/machines storage/measurements storage/tables
 service/write_path: estimator estimator/machine formats/wire service/replication service/resilience service/runs
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/mqtt: estimator/machine formats/wire service/advice service/alerts service/configuration service/write_path
@@ -139,16 +141,16 @@ service/api/operation: formats/wire rotorundown/environment service/api/conventi
     storage/operation storage/tables
 service/ingest: formats/wire service/write_path service/recovery service/replication service/resilience storage
     storage/database storage/machines storage/measurements
-service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
-    estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
-    service/advice service/alerts service/api/cache service/api/conventions service/http service/identification
-    service/monitoring service/monitoring/assessment service/monitoring/rules service/security service/wording storage
-    storage/alerts storage/findings storage/machines storage/tables
+service/api/findings: estimator estimator/alignment estimator/balancing estimator/calibration estimator/diagnosis
+    estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends
+    estimator/updated_model service/advice service/alerts service/api/cache service/api/conventions service/http
+    service/identification service/monitoring service/monitoring/assessment service/monitoring/rules service/security
+    service/wording storage storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/balancing estimator/calibration estimator/machine estimator/machine/checks
-    estimator/phasors estimator/runs estimator/statics estimator/updated_model service/alerts service/api/cache
-    service/api/conventions service/balancing service/http service/identification service/monitoring
-    service/monitoring/rules service/reports service/runs service/security service/wording storage storage/database
-    storage/encoding storage/findings storage/machines storage/measurements storage/tables
+    estimator/phasors estimator/runs estimator/statics service/alerts service/api/cache service/api/conventions
+    service/balancing service/http service/identification service/monitoring service/monitoring/rules service/reports
+    service/runs service/security service/wording storage storage/database storage/encoding storage/findings
+    storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
@@ -161,9 +163,9 @@ service/api: rotorundown/environment service/advice service/api/alerts service/a
     service/resilience service/security storage/database storage/tables
 service/doctor: formats/wire service/api service/configuration service/delivery service/maintenance service/messaging
     service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
-service/commands/results: estimator estimator/alignment estimator/calibration estimator/fit estimator/identification
-    estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-    rotorundown/summaries
+service/commands/results: estimator estimator/alignment estimator/balancing estimator/calibration estimator/fit
+    estimator/identification estimator/machine estimator/modes estimator/phasors estimator/statics estimator/thesis
+    estimator/updated_model rotorundown rotorundown/summaries
 service/commands: estimator estimator/balancing estimator/bearings estimator/calibration estimator/diagnosis
     estimator/fit estimator/fit/omitted_errors estimator/identification estimator/machine estimator/machine/checks
     estimator/phasors estimator/simulation estimator/thesis estimator/updated_model formats/files

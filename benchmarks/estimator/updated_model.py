@@ -15,11 +15,11 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.estimator.arguments import runs_asked
 from benchmarks.estimator.trains import SimulatedTrain, two_shafts
+from estimator.balancing.model_balancing import balance
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identify import identify
 from estimator.machine.parts import Probe
 from estimator.modes.critical_speed import critical_speed_table
-from estimator.updated_model.balancing import balance
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.forced_response import forced_response
 from estimator.updated_model.modal_uncertainty import critical_speed_errors

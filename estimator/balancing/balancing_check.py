@@ -13,6 +13,7 @@ import scipy.special
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes
+from estimator.balancing.balance_quality import RotorBalance
 from estimator.balancing.equivalent_unbalance import equivalent_unbalance
 from estimator.balancing.field_balancing import (
     ROUNDING,
@@ -25,7 +26,6 @@ from estimator.balancing.influence_correction import InfluenceCorrection, correc
 from estimator.balancing.measured_influence import circular_band
 from estimator.balancing.plausible_weights import require_plausible_weights
 from estimator.balancing.trial_runs import TrialsUnusable, are_copies, in_sense_of_rotation
-from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 
 LimitVerdict = Literal["met", "not met", "open"]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.balancing.balance_quality import RotorBalance, balance_of_unbalances
 from estimator.balancing.criterion import Criterion
 from estimator.balancing.influence_choice import ChosenInfluence, InfluenceMethod, choose_influence
 from estimator.balancing.influence_correction import InfluenceCorrection, correct
@@ -28,7 +29,6 @@ from estimator.balancing.weight_places import SplitWeight, WeightPlaces, split_w
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.balance_quality import RotorBalance, balance_of_unbalances
 
 ROUNDING = 1e-9
 """Part of a speed, or of a weight, by which rounding may change it [-]."""

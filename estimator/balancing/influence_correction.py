@@ -13,8 +13,8 @@ from estimator.arrays import Complexes, Floats
 from estimator.balancing.criterion import Criterion
 from estimator.balancing.least_largest import least_largest
 from estimator.balancing.measured_influence import MeasuredInfluence
+from estimator.balancing.model_balancing import least_squares_within
 from estimator.errors import Invalid
-from estimator.updated_model.balancing import least_squares_within
 from estimator.updated_model.uncertainty import PhasorBand
 
 

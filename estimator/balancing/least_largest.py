@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from estimator.arrays import Complexes, Floats
-from estimator.updated_model.balancing import BalancingFailed
+from estimator.balancing.model_balancing import BalancingFailed
 
 FIRST_TANGENTS = 12
 """Number of tangents to each circle at the start."""

@@ -2,8 +2,8 @@
 
 from estimator.arrays import Complexes, Floats
 from estimator.balancing.field_balancing import ModelInfluence
+from estimator.balancing.model_balancing import influence_coefficients
 from estimator.machine.document import Machine
-from estimator.updated_model.balancing import influence_coefficients
 from estimator.updated_model.fitted_response import fitted_gains
 from estimator.updated_model.model import UpdatedModel
 

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE, mass_and_centre
 from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable
 from estimator.machine.document import Machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.units import KILOGRAM_METRES
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, mass_and_centre
 
 LARGEST_SHIFT = 2.5e-3
 """Largest shift of the rotor's centre of mass by a weight that is taken for meant [m]."""

@@ -1,3 +1,3 @@
 """Recorded runs in files: of Rundown, of spreadsheets, and of measuring systems, with sidecars that say what they hold. They
-import `wire` and `files`; samples go to the library, to publishers and to calibrations.
+import `wire`, `files` and `measuring_systems`; samples go to the library, to publishers and to calibrations.
 """

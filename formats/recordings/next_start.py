@@ -4,7 +4,7 @@ from datetime import datetime, timedelta
 from pathlib import Path
 
 from formats.files.document_files import UnreadableFile
-from formats.recordings.recording import UNSTATED_START, read_sidecar
+from formats.recordings.sidecar import UNSTATED_START, read_sidecar
 
 APART = timedelta(days=1)
 """Time between the starts of two recordings."""

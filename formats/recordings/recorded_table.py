@@ -13,10 +13,10 @@ from msgspec import Struct
 from estimator.close_matches import did_you_mean
 from estimator.unit_names import stated_units
 from formats.files.document_files import UnreadableFile
+from formats.measuring_systems.measured_columns import BrokenFile
+from formats.measuring_systems.measured_files import is_measured_file, read_measured_file
 from formats.recordings.empty_table import empty_table_text
 from formats.recordings.exported_table import ExportedRow, decoded, exported_rows, is_number, is_plain, no_text, number_hint
-from formats.recordings.measured_columns import BrokenFile
-from formats.recordings.measured_files import is_measured_file, read_measured_file
 from formats.recordings.run_times import EXAMPLE, moment_of
 
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]\s*$")

@@ -16,7 +16,8 @@ from msgspec import Struct
 
 from estimator.runs.dwells import NEAR
 from estimator.units import KILOGRAM_METRES
-from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_sidecar
+from formats.recordings.recording import RecordedCircumstances, read_circumstances
+from formats.recordings.sidecar import read_sidecar
 from formats.recordings.sidecar_place import sidecar_of
 from formats.wire import TABLES, SampleBatch
 from storage.clock import to_datetime

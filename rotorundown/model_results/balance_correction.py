@@ -8,11 +8,11 @@ import msgspec
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE
+from estimator.balancing.model_balancing import Correction, balance
 from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.units import RAD_PER_S
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
-from estimator.updated_model.balancing import Correction, balance
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.vector_angle import angle_deg
 from rotorundown.model_results.origin import origin_notes, require_unbalance

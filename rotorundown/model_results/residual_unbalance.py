@@ -6,9 +6,9 @@ import msgspec
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance, balance_grades
 from estimator.errors import Invalid
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance, balance_grades
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.vector_angle import angle_deg
 from rotorundown.model_results.origin import origin_notes, require_unbalance

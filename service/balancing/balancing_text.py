@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from estimator.balancing.balancing_check import BalancingCheck
 from estimator.balancing.field_balancing import FieldBalancing
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from estimator.updated_model.vector_angle import angle_deg
 from service.balancing.correction_rows import (
     WeightToAdd,

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE
 from estimator.balancing.balancing_check import BalancingCheck, LimitVerdict, limit_verdict
 from estimator.balancing.field_balancing import FieldBalancing
 from estimator.balancing.measured_influence import circular_band
 from estimator.balancing.weight_places import SplitWeight
 from estimator.units import METRES, PEAK
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from estimator.updated_model.uncertainty import PhasorBand
 from estimator.updated_model.vector_angle import angle_deg, angle_half_width_deg
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from estimator.balancing.balancing_check import BalancingCheck
 from estimator.balancing.field_balancing import FieldBalancing
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import (
     MICROMETRES,
     WeightToAdd,

@@ -10,12 +10,12 @@ from msgspec.structs import replace
 from sqlalchemy.orm import Session
 
 from estimator.arrays import Complexes
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE
 from estimator.balancing.field_balancing import BalancingRun
 from estimator.calibration.calibrated_document import is_the_same_but_for_calibrations
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.slow_roll import corrected
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from storage.machines import machines, slow_roll
 from storage.measurements import runs
 

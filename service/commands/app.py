@@ -255,8 +255,9 @@ def replay(
 ) -> None:
     """Publish a recorded run over zenoh, in real or compressed time; dwells without waiting between them."""
     from formats.files.document_files import UnreadableFile
-    from formats.recordings.recording import UNSTATED_START, read_recording, split, states_start
+    from formats.recordings.recording import read_recording, split, states_start
     from formats.recordings.replayed_dwells import dwells_text, replayed_dwells
+    from formats.recordings.sidecar import UNSTATED_START
     from formats.wire import Key
     from service.messaging.access_control import AccessUnusable, from_environment
     from service.messaging.session import StreamUnusable, wait_connected
@@ -353,7 +354,7 @@ def sample(
     """Write one simulated run-down as a recording, to try the commands on."""
     from formats.files.document_files import UnreadableFile
     from formats.recordings.next_start import next_start
-    from formats.recordings.recording import write_recording
+    from formats.recordings.written_recording import write_recording
     from formats.wire import as_sent
     from rotorundown.simulation import simulate as simulate_run
 

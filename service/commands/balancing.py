@@ -194,9 +194,9 @@ def _options(
     grade: float,
     service_rpm: float | None,
 ) -> "BalancingOptions":
+    from estimator.balancing.balance_quality import GRAM_MILLIMETRE
     from estimator.balancing.field_balancing import BalancingOptions
     from estimator.units import rpm_to_rad_per_s
-    from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 
     bounds = dict(_numbers(text, "--limit D1=50: g mm", 1, 1) for text in limits)
     return BalancingOptions(

@@ -13,7 +13,7 @@ from estimator.signal.keyphasor import Edge
 from estimator.strict_model import StrictModel
 from estimator.units import METRES
 from formats.files.document_files import UnreadableFile, read_yaml
-from formats.recordings.measured_files import READERS
+from formats.measuring_systems.measured_files import READERS
 from formats.wire import BINARY, JSON, LARGEST_CHANNEL_COUNT, MESSAGEPACK
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT
 from service.sources.replay_log import LOG_BYTES, LOG_SAMPLES

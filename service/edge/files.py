@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from estimator.arrays import Floats
-from formats.recordings.measured_files import is_measured_file
+from formats.measuring_systems.measured_files import is_measured_file
 from service.edge.condition import Conditions
 from service.edge.configuration import InputFile, Waveforms
 from service.edge.csv_file import CsvFile

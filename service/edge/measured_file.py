@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from estimator.arrays import Floats
-from formats.recordings.measured_columns import BrokenFile
-from formats.recordings.measured_files import read_measured_file
+from formats.measuring_systems.measured_columns import BrokenFile
+from formats.measuring_systems.measured_files import read_measured_file
 from service.edge.file_error import InputFileError
 
 

@@ -13,13 +13,13 @@ from estimator.balancing.field_balancing import (
     FieldBalancing,
     balance_from_trials,
 )
+from estimator.balancing.model_balancing import BalancingFailed
 from estimator.balancing.model_influence import measured_model_influence
 from estimator.balancing.plausible_weights import require_plausible_weights
 from estimator.balancing.trial_runs import TrialsUnusable
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
-from estimator.updated_model.balancing import BalancingFailed
 from service.balancing.rendering import check_fields, correction_fields
 from service.identification.stored_model import Identified
 

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from estimator.balancing.model_balancing import balance
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.train_layout import shaft_begins
 from estimator.phasors.probe_axes import probe_stations
 from estimator.units import RAD_PER_S
-from estimator.updated_model.balancing import balance
 from service.identification.stored_model import Identified
 from service.reports.alignment_page import alignment_page
 from service.reports.centreline_figure import centreline_figure, journal_paths

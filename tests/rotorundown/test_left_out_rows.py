@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import rotorundown as rd
 from estimator.machine.document import Machine
-from formats.recordings.recording import write_recording
+from formats.recordings.written_recording import write_recording
 from service.commands.app import app
 from tests.rotorundown.wrong_input import PUMP
 

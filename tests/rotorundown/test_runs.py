@@ -11,7 +11,7 @@ import pytest
 import rotorundown as rd
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
-from formats.recordings.recording import write_recording
+from formats.recordings.written_recording import write_recording
 from rotorundown.run_columns import WrongRun
 
 

@@ -13,7 +13,7 @@ import pytest
 
 import rotorundown as rd
 from estimator.machine.document import Machine
-from formats.recordings.recording import write_recording
+from formats.recordings.written_recording import write_recording
 from rotorundown.run_columns import WrongRun
 from tests.rotorundown.wrong_input import PUMP, doubled, one_line, written
 

@@ -4,10 +4,10 @@ import numpy as np
 import scipy.special
 from fastapi import APIRouter, Request
 
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE
 from estimator.calibration.unbalance_since import UnbalanceSince, unbalance_since
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.phasors.slow_roll import without_run_outs
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from service.api.conventions.dependencies import Number, database
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.findings import model_schemas as schemas

@@ -13,6 +13,7 @@ import numpy as np
 from fastapi import APIRouter, Query, Request
 
 from estimator.arrays import Floats
+from estimator.balancing.model_balancing import Correction, balance
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.train_layout import shaft_begins
 from estimator.modes.campbell import Campbell, campbell
@@ -20,7 +21,6 @@ from estimator.modes.critical_speed import CriticalSpeed, critical_speed_table
 from estimator.modes.eigenmodes import log_decrement
 from estimator.modes.mode_shapes import ModeShape, ShaftShape, mode_shapes
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.balancing import Correction, balance
 from estimator.updated_model.coupling_loads import CouplingForce, coupling_forces
 from estimator.updated_model.modal_uncertainty import critical_speed_errors, modes_at, natural_frequency_errors
 from estimator.updated_model.uncertainty import PhasorBand

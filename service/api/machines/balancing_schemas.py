@@ -6,13 +6,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE, PlaneVerdict
 from estimator.balancing.balancing_check import LimitVerdict
 from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
 from estimator.machine.disc_scale import DiscScale
 from estimator.strict_model import StrictModel
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, WeightUnit
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneVerdict
 from service.api.conventions.fields import Comment, NonBlankText
 from service.balancing.stored_runs import StoredWeight
 from service.security.principal import Author

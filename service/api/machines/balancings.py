@@ -12,13 +12,13 @@ import numpy as np
 from fastapi import APIRouter, Request, status
 from sqlalchemy.orm import Session
 
+from estimator.balancing.balance_quality import GRAM_MILLIMETRE
 from estimator.balancing.field_balancing import BalancingOptions, BalancingRun
 from estimator.balancing.weight_places import WeightPlaces
 from estimator.errors import Conflict
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from service.api.cache.model_process import ModelProcess
 from service.api.cache.worker_computation import compute_in_worker
 from service.api.conventions.changes_in_turn import change_place, takes_turns_of_its_own

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.balancing.balance_quality import balance_grades
+from estimator.balancing.model_balancing import balance
 from estimator.modes.critical_speed import CriticalSpeed, critical_speed_table
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.amplification import amplification
-from estimator.updated_model.balance_quality import balance_grades
-from estimator.updated_model.balancing import balance
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.impact_comparison import compare_impact_test, measured_frequencies
 from estimator.updated_model.modal_uncertainty import critical_speed_errors

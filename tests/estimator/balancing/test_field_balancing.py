@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes, Floats
+from estimator.balancing.balance_quality import RotorBalance
 from estimator.balancing.balancing_check import check_balancing, limit_verdict
 from estimator.balancing.field_balancing import BalancingOptions, BalancingRun, balance_from_trials
 from estimator.balancing.trial_runs import TrialsUnusable
@@ -13,7 +14,6 @@ from estimator.balancing.vectors_at_speeds import NoCommonSpeed
 from estimator.balancing.weight_places import WeightPlaces
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
-from estimator.updated_model.balance_quality import RotorBalance
 from tests.estimator.trains import chapter_3_document, dense_response, mirrored, noisy
 
 SPEED = np.linspace(160.0, 100.0, 40)

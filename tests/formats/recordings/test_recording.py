@@ -9,7 +9,9 @@ import yaml
 
 from formats.files.document_files import UnreadableFile
 from formats.recordings.recorded_runs import read_measurement
-from formats.recordings.recording import EXAMPLES, Sidecar, read_recording, read_sidecar, split, write_recording
+from formats.recordings.recording import read_recording, split
+from formats.recordings.sidecar import EXAMPLES, Sidecar, read_sidecar
+from formats.recordings.written_recording import write_recording
 from formats.wire import Key, decode_batch, encode_batch, to_samples
 from tests.paths import DATA
 from tests.plant import SECOND, START, batch, document, machine, sweep_rpm

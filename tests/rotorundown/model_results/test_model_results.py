@@ -11,8 +11,8 @@ import pandas
 import pytest
 
 import rotorundown as rd
+from estimator.balancing.model_balancing import balance
 from estimator.machine.document import Machine
-from estimator.updated_model.balancing import balance
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.forced_response import forced_response
 from estimator.updated_model.modal_uncertainty import modes_at, natural_frequency_errors

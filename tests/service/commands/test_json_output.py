@@ -12,7 +12,7 @@ import typer.main
 from typer.testing import CliRunner
 
 import rotorundown as rd
-from formats.recordings.recording import write_recording
+from formats.recordings.written_recording import write_recording
 from service.commands.app import app
 from service.commands.json_output import json_value
 from service.commands.terminal import working

@@ -107,7 +107,7 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
                 "estimator.machine.document",
                 "estimator.units",
                 "estimator.units.rpm_to_rad_per_s",
-                "estimator.updated_model.balance_quality",
+                "estimator.balancing.balance_quality",
             },
         ),
     ],

@@ -13,7 +13,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from formats.recordings.measured_columns import BrokenFile, MeasuredColumns, named_once
+from formats.measuring_systems.measured_columns import BrokenFile, MeasuredColumns, named_once
 from storage.clock import from_datetime
 
 MAGIC = (b"MDF     ", b"UnFinMF ")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from formats.recordings.measured_columns import BrokenFile, MeasuredColumns, named_once
+from formats.measuring_systems.measured_columns import BrokenFile, MeasuredColumns, named_once
 
 
 def tdms_columns(path: Path) -> MeasuredColumns:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from formats.recordings.measured_columns import BrokenFile
+from formats.measuring_systems.measured_columns import BrokenFile
 
 MOST_EXPANDED = 100
 """Most bytes that a byte of a file may become: measured values become 8 at the most, zeros 1,000."""

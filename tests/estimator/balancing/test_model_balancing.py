@@ -9,16 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from estimator.machine.document import Machine, parse_machine
-from estimator.rotor.condensation import condense
-from estimator.rotor.response import response
-from estimator.updated_model.balancing import (
+from estimator.balancing.model_balancing import (
     Correction,
     balance,
     correction_masses,
     influence_coefficients,
     least_squares_within,
 )
+from estimator.machine.document import Machine, parse_machine
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
 from tests.estimator.models import draws, model_of
 from tests.estimator.trains import chapter_3, chapter_3_document, dense_response, few_examples, mirrored
 

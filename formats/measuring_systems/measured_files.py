@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from formats.recordings.mat_columns import mat_columns
-from formats.recordings.mdf4_columns import mdf4_columns
-from formats.recordings.measured_columns import MeasuredColumns
-from formats.recordings.tdms_columns import tdms_columns
-from formats.recordings.uff58_columns import uff58_columns
+from formats.measuring_systems.mat_columns import mat_columns
+from formats.measuring_systems.mdf4_columns import mdf4_columns
+from formats.measuring_systems.measured_columns import MeasuredColumns
+from formats.measuring_systems.tdms_columns import tdms_columns
+from formats.measuring_systems.uff58_columns import uff58_columns
 
 READERS: dict[str, Callable[[Path], MeasuredColumns]] = {
     ".mat": mat_columns,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Floats
-from formats.recordings.measured_columns import BrokenFile, MeasuredColumns, named_once
+from formats.measuring_systems.measured_columns import BrokenFile, MeasuredColumns, named_once
 
 TIME = 17
 """Type of an abscissa that is time."""

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from estimator.balancing.balance_quality import API_617, RotorBalance, balance_grades, mass_and_centre
 from estimator.machine.document import parse_machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.balance_quality import API_617, RotorBalance, balance_grades, mass_and_centre
 from estimator.updated_model.model import UpdatedModel
 from tests.estimator.models import model_of
 from tests.estimator.rigid_rotor import MASS, rigid_rotor

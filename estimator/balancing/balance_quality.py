@@ -6,7 +6,7 @@ U = 4 W/N [oz in, W the static load of a journal in lb] = 6350 W/N [g mm, W in k
 The standards themselves were not at hand; these are the formulas as commonly quoted.
 
 Both are of rigid rotors: identified disc unbalances are carried to the bearing planes by the lever rule. A rotor that runs
-above its first bending mode may pass and still shake; see `balancing`.
+above its first bending mode may pass and still shake; see `model_balancing`.
 """
 
 from collections.abc import Callable

@@ -9,8 +9,8 @@ from typing import Any, cast
 import numpy as np
 
 from estimator.arrays import Floats
-from formats.recordings.mat_expansion import require_measured
-from formats.recordings.measured_columns import BrokenFile, MeasuredColumns
+from formats.measuring_systems.mat_expansion import require_measured
+from formats.measuring_systems.measured_columns import BrokenFile, MeasuredColumns
 
 
 def mat_columns(path: Path) -> MeasuredColumns:
