@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from estimator.machine.document import Machine
+from estimator.modes.critical_speed import CriticalSpeed
 from estimator.updated_model.model import UpdatedModel
 from rotorundown.environment.notebook_text import notebook_text
 from rotorundown.model_results.balance_correction import BalanceCorrection, balance_correction
 from rotorundown.model_results.campbell_table import CampbellTable, campbell_table
 from rotorundown.model_results.coupling_loads import CouplingLoads, coupling_loads_of
-from rotorundown.model_results.critical_speeds import CriticalSpeedTable, critical_speeds_of
+from rotorundown.model_results.critical_speeds import CriticalSpeedTable, critical_speeds_of, crossings_of
 from rotorundown.model_results.modes_table import ModesTable, modes_table
 from rotorundown.model_results.residual_unbalance import BalanceGrades, balance_grades_of
 from rotorundown.model_results.speeds import SpeedsRpm, speeds_in_rpm
@@ -56,13 +58,18 @@ class Model:
     def _highest_rpm(self) -> float:
         return HIGHEST_ABOVE_RANGE * self.machine.speed_range.maximum_rpm
 
+    @cached_property
+    def _crossings(self) -> tuple[CriticalSpeed, ...]:
+        """The critical speeds, searched once for table and diagram."""
+        return crossings_of(self.updated, highest_rpm=self._highest_rpm)
+
     def critical_speeds(self) -> CriticalSpeedTable:
         """Return the critical speeds up to a quarter above the speed range [r/min], with standard errors."""
-        return critical_speeds_of(self.updated, highest_rpm=self._highest_rpm)
+        return critical_speeds_of(self.updated, self._crossings, highest_rpm=self._highest_rpm)
 
     def campbell(self) -> CampbellTable:
         """Return the Campbell diagram up to a quarter above the speed range: natural frequencies [cycles/min] over speed."""
-        return campbell_table(self.updated, highest_rpm=self._highest_rpm)
+        return campbell_table(self.updated, self._crossings, highest_rpm=self._highest_rpm)
 
     def plot_campbell(self) -> "Figure":
         """Plot the Campbell diagram. Raises PackageMissing without matplotlib."""

@@ -83,7 +83,7 @@ rotorundown/ross: estimator estimator/machine estimator/machine/checks
 rotorundown/model_results: estimator estimator/balancing estimator/modes estimator/rotor estimator/updated_model
     rotorundown/environment
 rotorundown: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
-    estimator/identification estimator/machine estimator/machine/checks estimator/phasors
+    estimator/identification estimator/machine estimator/machine/checks estimator/modes estimator/phasors
     estimator/simulation estimator/statics estimator/updated_model formats/files formats/recordings formats/wire
     rotorundown/environment rotorundown/model_results rotorundown/plots rotorundown/ross rotorundown/summaries storage
     storage/encoding

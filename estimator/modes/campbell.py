@@ -64,7 +64,12 @@ class Campbell:
 
 
 def campbell(
-    machine: Machine, *, speed: Floats, highest_frequency: float, coefficients: CoefficientsOverSpeed = None
+    machine: Machine,
+    *,
+    speed: Floats,
+    highest_frequency: float,
+    coefficients: CoefficientsOverSpeed = None,
+    crossings: tuple[CriticalSpeed, ...] | None = None,
 ) -> Campbell:
     """Compute the Campbell diagram of a machine in its sense of rotation.
 
@@ -77,6 +82,7 @@ def campbell(
             last.
         highest_frequency: Frequency [rad/s] below which a curve must come somewhere to be shown.
         coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
+        crossings: The critical speeds up to the last speed, where they are known already; None searches them.
 
     Returns:
         The diagram.
@@ -111,7 +117,9 @@ def campbell(
                 curves.append(curve)
             curve[step] = number
             ends[number] = curve
-    return _diagram(machine, matrices, speed, at, curves, highest_frequency)
+    if crossings is None:
+        crossings = lightly_damped_crossings(matrices, direction=machine.direction, highest=float(speed[-1]))
+    return _diagram(machine, matrices, speed, at, curves, highest_frequency, crossings)
 
 
 def assurance(one: Complexes, other: Complexes, mass: Floats) -> Floats:
@@ -199,6 +207,7 @@ def _diagram(
     at: list[Modes],
     curves: list[dict[int, int]],
     highest_frequency: float,
+    crossings: tuple[CriticalSpeed, ...],
 ) -> Campbell:
     eigenvalue = np.full((speed.size, len(curves)), complex(np.nan, np.nan))
     sense = np.full(eigenvalue.shape, np.nan)
@@ -216,5 +225,5 @@ def _diagram(
         speed=speed,
         eigenvalue=eigenvalue[:, shown],
         whirl=sense[:, shown],
-        critical_speeds=lightly_damped_crossings(matrices, direction=machine.direction, highest=float(speed[-1])),
+        critical_speeds=crossings,
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.modes.campbell import Campbell, campbell
+from estimator.modes.critical_speed import CriticalSpeed
 from estimator.units import RAD_PER_S, rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel
 from rotorundown.model_results.origin import origin_notes
@@ -69,14 +70,18 @@ class CampbellTable(ResultTable):
         return cells | {"whirl": ["-" if np.isnan(one) else f"{one:+.2f}" for one in self.si.whirl[-1]]}
 
 
-def campbell_table(model: UpdatedModel, *, highest_rpm: float) -> CampbellTable:
-    """Return the Campbell diagram of a model up to a speed, and a frequency as high [r/min]."""
+def campbell_table(model: UpdatedModel, crossings: tuple[CriticalSpeed, ...], *, highest_rpm: float) -> CampbellTable:
+    """Return the Campbell diagram of a model up to a speed, and a frequency as high [r/min].
+
+    crossings: its critical speeds up to there.
+    """
     highest = rpm_to_rad_per_s(highest_rpm)
     found = campbell(
         model.scaled_machine,
         speed=np.linspace(0.0, highest, SPEEDS),
         highest_frequency=highest,
         coefficients=model.coefficients,
+        crossings=crossings,
     )
     title = f"{model.machine.id}: natural frequencies [cycles/min] over speeds [r/min]; whirl at the last"
     return CampbellTable(title, found, origin_notes(model))

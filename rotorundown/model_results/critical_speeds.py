@@ -57,15 +57,19 @@ class CriticalSpeedTable(RowTable[CriticalSpeedRow]):
         }
 
 
-def critical_speeds_of(model: UpdatedModel, *, highest_rpm: float) -> CriticalSpeedTable:
-    """Return the critical speeds of a model up to a speed [r/min], with standard errors."""
+def crossings_of(model: UpdatedModel, *, highest_rpm: float) -> tuple[CriticalSpeed, ...]:
+    """Search the critical speeds of a model up to a speed [r/min]."""
     highest = rpm_to_rad_per_s(highest_rpm)
-    found = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+    return critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+
+
+def critical_speeds_of(model: UpdatedModel, crossings: tuple[CriticalSpeed, ...], *, highest_rpm: float) -> CriticalSpeedTable:
+    """Return the critical speeds of a model up to a speed [r/min], with standard errors."""
     rows = tuple(
         CriticalSpeedRow(
             rad_per_s_to_rpm(one.speed), rad_per_s_to_rpm(float(error)), one.damping_ratio, one.log_decrement, one.whirl
         )
-        for one, error in zip(found, critical_speed_errors(model, found), strict=True)
+        for one, error in zip(crossings, critical_speed_errors(model, crossings), strict=True)
     )
     title = f"{model.machine.id}: critical speeds up to {highest_rpm:.0f} r/min (whirl +1 forward to -1 backward)"
-    return CriticalSpeedTable(title, rows, found, origin_notes(model))
+    return CriticalSpeedTable(title, rows, crossings, origin_notes(model))

@@ -53,31 +53,37 @@ def test_the_readme_fits_a_screen_and_its_picture_is_small() -> None:
     assert (ROOT / picture).stat().st_size < LARGEST_PICTURE
 
 
-def test_the_first_steps_run_as_printed_in_an_empty_folder(checkout: Path, tmp_path: Path) -> None:
+def run_lines(lines: str, checkout: Path, folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Run lines of a shell in a folder, with the command `rundown`."""
     around = os.environ | {"PATH": f"{checkout / 'bin'}:{os.environ['PATH']}", "PYTHONPATH": str(ROOT)}
-    script = "set -e\n" + blocks("sh", FIRST_STEPS)[0]
     done = subprocess.run(
-        ["sh", "-c", script], cwd=tmp_path, env=around, capture_output=True, text=True, timeout=LONGEST_S, check=False
-    )
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert done.stderr == ""
-    assert "changed coefficients: better than equivalent load" in done.stdout
-    assert "Correction" in done.stdout
-    # The examples of each command's help go on from there; those that are lines of the first steps have been run.
-    ran = {line.partition("#")[0].strip() for line in script.splitlines()} | {EXAMPLES_OF_HELP["demo"]}
-    shown = [EXAMPLES_OF_HELP[name] for panel in OFFLINE for name in PANELS[panel]]
-    examples = [one for one in shown if one not in ran]
-    assert 0 < len(examples) < len(shown)
-    helped = subprocess.run(
-        ["sh", "-c", "\n".join(["set -e", *examples])],
-        cwd=tmp_path,
+        ["sh", "-c", f"set -e\n{lines}"],
+        cwd=folder,
         env=around,
         capture_output=True,
         text=True,
         timeout=LONGEST_S,
         check=False,
     )
-    assert helped.returncode == 0, helped.stderr[-3000:]
+    assert done.returncode == 0, done.stderr[-3000:]
+    return done
+
+
+def test_the_first_steps_run_as_printed_in_an_empty_folder(checkout: Path, tmp_path: Path) -> None:
+    done = run_lines(blocks("sh", FIRST_STEPS)[0], checkout, tmp_path)
+    assert done.stderr == ""
+    assert "changed coefficients: better than equivalent load" in done.stdout
+    assert "Correction" in done.stdout
+
+
+@pytest.mark.long
+def test_examples_of_the_help_go_on_from_the_first_steps(checkout: Path, tmp_path: Path) -> None:
+    script = blocks("sh", FIRST_STEPS)[0]
+    ran = {line.partition("#")[0].strip() for line in script.splitlines()} | {EXAMPLES_OF_HELP["demo"]}
+    shown = [EXAMPLES_OF_HELP[name] for panel in OFFLINE for name in PANELS[panel]]
+    examples = [one for one in shown if one not in ran]
+    assert 0 < len(examples) < len(shown)
+    run_lines("\n".join([script, *examples]), checkout, tmp_path)
 
 
 def test_the_five_lines_are_five() -> None:

@@ -196,7 +196,7 @@ def running_out(*, offset: complex = 0j, angle: complex = 0j) -> PlantChange:
     ("change", "quantity", "size"),
     [
         (running_out(offset=2e-6 * np.exp(0.8j)), "offset_um", 2.0),
-        (running_out(angle=10e-6j), "angle_urad", 10.0),
+        pytest.param(running_out(angle=10e-6j), "angle_urad", 10.0, marks=pytest.mark.long),
     ],
     ids=["bore", "face"],
 )
@@ -237,7 +237,7 @@ def test_a_comparison_beside_a_probe_that_reads_too_much_leaves_open_what_that_h
         assert told[quantity].value == pytest.approx(true, abs=1.5 * told[quantity].half), quantity
 
 
-@pytest.mark.parametrize("channel", ["B1X", "B3Y"])
+@pytest.mark.parametrize("channel", ["B1X", pytest.param("B3Y", marks=pytest.mark.long)])
 def test_a_probe_that_read_too_little_in_the_earlier_run_is_no_change_of_the_alignment(channel: str) -> None:
     """With the gain as the document has it, an angle or an offset would have changed; estimates allow for it."""
     before = gated(run_of(plant(), np.random.default_rng(6)), 101, baseline()[0], gains={channel: 0.93})

@@ -115,7 +115,7 @@ def test_changes_err_by_what_is_reported() -> None:
     assert 0.9 < np.mean(np.abs(z) < 1.96) < 0.99
 
 
-@pytest.mark.parametrize("thicker", [0.0, 0.3, -0.9])
+@pytest.mark.parametrize("thicker", [*(pytest.param(one, marks=pytest.mark.long) for one in (0.0, 0.3)), -0.9])
 def test_in_any_season_changes_err_by_what_is_reported(thicker: float) -> None:
     """In the baseline's, in another, and with an oil of less than half the viscosity that nobody has named."""
     trials = [trial(seed, thicker=thicker) for seed in range(TRIALS)]

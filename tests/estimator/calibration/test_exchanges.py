@@ -57,7 +57,7 @@ def test_two_probes_of_one_plane_of_a_round_kit_cannot_be_told_apart() -> None:
     assert doubts(found) == []
 
 
-@pytest.mark.parametrize("mountings", [3, 8])
+@pytest.mark.parametrize("mountings", [3, pytest.param(8, marks=pytest.mark.long)])
 def test_nothing_is_named_in_right_runs(mountings: int) -> None:
     assert doubts(exchanged()) == []
     plant = SimulatedKit(5)

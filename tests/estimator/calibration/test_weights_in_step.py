@@ -134,6 +134,7 @@ def test_the_same_train_with_angles_counted_the_other_way_round_is_refused(
     assert IN_STEP in found.verdict
 
 
+@pytest.mark.long
 def test_the_same_train_with_the_weights_of_two_runs_exchanged_is_refused(
     scattered: tuple[MountedTrain, list[CalibrationRun]],
 ) -> None:

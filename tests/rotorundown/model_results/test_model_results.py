@@ -61,6 +61,8 @@ def test_critical_speeds_are_where_the_diagram_crosses(model: rd.Model) -> None:
     speeds = [one.speed_rpm for one in found]
     assert speeds == sorted(speeds)
     assert model.campbell().critical_speed_rpm == pytest.approx(speeds)
+    for speed in speeds:
+        assert min(abs(one.frequency_cpm - speed) for one in model.modes(speed)) < 1e-6 * speed
     assert [one.speed for one in found.si] == pytest.approx([one * RAD_PER_S for one in speeds])
     assert all(0.0 < one.standard_error_rpm < 50.0 for one in found)
     assert found[0].damping_ratio == found.si[0].damping_ratio
@@ -138,7 +140,7 @@ def test_a_correction_leaves_less(model: rd.Model, pump: Machine) -> None:
     assert [one.disc for one in model.balance(2980, planes="core-1")] == ["core-1"]
 
 
-@pytest.mark.parametrize("speed", [2980, range(300, 3600, 100)])
+@pytest.mark.parametrize("speed", [pytest.param(2980, marks=pytest.mark.long), range(300, 3600, 100)])
 def test_each_fits_a_screen(model: rd.Model, speed: Any) -> None:
     for table in tables(model, speed):
         lines = str(table).splitlines()

@@ -95,6 +95,7 @@ def test_where_no_worker_can_be_started_jobs_wait_unhurt_and_that_is_reported(
         assert [row.attempts for row in jobs.of_machine(session, train.id, limit=10)] in ([0], [1])
 
 
+@pytest.mark.long
 def test_a_job_that_hangs_its_process_every_time_is_put_aside(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -221,6 +222,7 @@ def test_a_result_that_cannot_be_stored_fails_with_its_reason_and_holds_up_no_ot
     }
 
 
+@pytest.mark.long
 def test_a_job_out_of_time_every_time_does_not_stop_the_next(
     database: Database, train: Machine, executor: LocalExecutor
 ) -> None:

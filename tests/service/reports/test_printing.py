@@ -185,7 +185,9 @@ def seconds_without_notes(sunken: ReportContents) -> float:
     return time.process_time() - began
 
 
-@pytest.mark.parametrize("text", ["misaligned coupling " * 45, "x" * 870], ids=["words", "one word"])
+@pytest.mark.parametrize(
+    "text", ["misaligned coupling " * 45, pytest.param("x" * 870, marks=pytest.mark.long)], ids=["words", "one word"]
+)
 def test_long_notes_cost_little_and_stay_on_the_page(sunken: ReportContents, seconds_without_notes: float, text: str) -> None:
     """A cell in which every character might end a line took the printer a second of its own."""
     note = ReportedNote(at=sunken.made_at, kind="maintenance", by="anna", text=text)

@@ -59,7 +59,7 @@ def test_what_is_wrong_alike_at_all_bearings_is_told_and_intervals_hold(what: st
     assert np.mean(every) >= 0.9  # without: 73 to 92 %
 
 
-@pytest.mark.parametrize("pedestals", [False, True])
+@pytest.mark.parametrize("pedestals", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_right_document_is_not_told_to_be_contradicted(pedestals: bool) -> None:
     found = [judged(lambda said: said, seed, pedestals=pedestals) for seed in range(7120, 7122)]
     assert not any(WORDS in verdict for verdict, _ in found)

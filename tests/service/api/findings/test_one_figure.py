@@ -97,7 +97,7 @@ def test_a_contradiction_is_seen(plant: Database) -> None:
     assert any(part["name"] in one and "diagnosis" in one for one in wrong)
 
 
-@pytest.mark.parametrize("language", [ENGLISH, GERMAN])
+@pytest.mark.parametrize("language", [ENGLISH, pytest.param(GERMAN, marks=pytest.mark.long)])
 def test_report_mail_and_webhook_tell_the_alert_s_figures(plant: Database, language: Language) -> None:
     """Of the same event the same words, in either language."""
     weeks = FilmWeeks(plant)
@@ -121,7 +121,7 @@ def test_report_mail_and_webhook_tell_the_alert_s_figures(plant: Database, langu
     assert (row if language == ENGLISH else row.replace(".", ",")) in page, "the table of alignments says the same"
 
 
-@pytest.mark.parametrize("units", ["um_pp,rpm", "mil_pp,rpm"])
+@pytest.mark.parametrize("units", [pytest.param("um_pp,rpm", marks=pytest.mark.long), "mil_pp,rpm"])
 def test_report_and_api_tell_the_same_alignment_and_loads(plant: Database, units: UnitsName) -> None:
     """Every row of the report's tables, in µm or mil, is a number of `alignment`; the alert's words are the same in both."""
     weeks = FilmWeeks(plant)

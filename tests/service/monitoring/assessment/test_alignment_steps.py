@@ -87,6 +87,7 @@ def test_one_run_is_not_enough_and_growth_by_itself_is_no_step() -> None:
     assert diagnosed(context(growing)).causes == ()
 
 
+@pytest.mark.long
 def test_it_stays_open_while_it_stands_and_goes_when_it_is_taken_back() -> None:
     standing = diagnosed(context([GROWN] * 4 + [STEPPED] * 6, step_open_since=4))
     assert [(one.cause.kind, one.cause.element) for one in standing.causes] == [MISALIGNED]
@@ -112,6 +113,7 @@ def test_a_refused_run_neither_shows_a_step_nor_hides_one() -> None:
     )
 
 
+@pytest.mark.long
 def test_wear_beside_an_offset_is_no_part_of_its_size_nor_of_its_step() -> None:
     """Wear of 30 % held at the baseline's would be told as some 30 µm of offset more, and 20 µm sideways."""
     found = diagnosed(context([STEPPED * 2] * 3, clearance=1.3)).causes
@@ -125,6 +127,7 @@ def test_wear_beside_an_offset_is_no_part_of_its_size_nor_of_its_step() -> None:
                 assert told[f"{step}{quantity}_um"] == pytest.approx(true, abs=1.5 * half), f"{step}{quantity}"
 
 
+@pytest.mark.long
 def test_no_step_is_told_against_runs_among_which_a_bearing_has_worn() -> None:
     """Three healthy runs and three with the wear have no alignment in common that a step could be told against."""
     of = context([0.0] * 3 + [STEPPED * 4] * 2, clearance=1.3)
