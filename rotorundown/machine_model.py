@@ -60,7 +60,7 @@ class Model:
 
     @cached_property
     def _crossings(self) -> tuple[CriticalSpeed, ...]:
-        """The critical speeds, searched once for table and diagram."""
+        """Return the critical speeds, searched once for table and diagram."""
         return crossings_of(self.updated, highest_rpm=self._highest_rpm)
 
     def critical_speeds(self) -> CriticalSpeedTable:

@@ -58,7 +58,7 @@ class CriticalSpeedTable(RowTable[CriticalSpeedRow]):
 
 
 def crossings_of(model: UpdatedModel, *, highest_rpm: float) -> tuple[CriticalSpeed, ...]:
-    """Search the critical speeds of a model up to a speed [r/min]."""
+    """Find the critical speeds of a model up to a speed [r/min]."""
     highest = rpm_to_rad_per_s(highest_rpm)
     return critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
 
