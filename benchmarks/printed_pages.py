@@ -36,6 +36,12 @@ same numbers come again; times are those of the machine that ran it.""",
             ("benchmarks.estimator.phasors",),
         ),
         PrintedSection(
+            "Wrong conventions",
+            "A wrong unit, phase, sense of rotation or pair of probes on a refused run: how often it is named rightly; "
+            "and whether any is named on right runs.",
+            ("benchmarks.calibration.conventions", "--trials", "1", "--runs", "30"),
+        ),
+        PrintedSection(
             "The sense of orbits",
             "Run-downs of the examples that have pairs of probes: nothing wrong, each pair swapped in turn, sense reversed.",
             ("benchmarks.estimator.orbit_sense",),

@@ -51,6 +51,10 @@ def require_result(given: object, what: str) -> None:
         raise NotIdentified(f"{what} is a {type(given).__name__}: identify first, with identify(machine, runs)")
 
 
+class NotAccepted(Invalid):
+    """Raised for what would follow from a fit that is not accepted."""
+
+
 class UnknownName(KeyError):
     """Raised for a name that the result does not have; the message suggests names like it."""
 
@@ -85,10 +89,12 @@ class Result(Struct, frozen=True, eq=False, dict=True):
 
     @cached_property
     def model(self) -> "Model":
-        """Return the model of the machine with the values found and their covariance."""
+        """Return the model of the machine with the values found and their covariance. Raises NotAccepted."""
         from estimator.updated_model.model import updated_model
         from rotorundown.machine_model import Model
 
+        if not self.accepted:
+            raise NotAccepted(f"{self.machine.id}: nothing follows from a fit that is not accepted: {self.verdict}")
         return Model(updated_model(self.machine, self.identification))
 
     @cached_property
@@ -134,12 +140,15 @@ class Result(Struct, frozen=True, eq=False, dict=True):
         """Return a pandas DataFrame with a row per parameter, in SI units.
 
         Of a vector, such as an unbalance, `value` and `imaginary` are its parts; `lower` and `upper` bound its `magnitude`,
-        which lies at `angle_deg` from the keyphasor mark. Raises PackageMissing without pandas.
+        which lies at `angle_deg` from the keyphasor mark. `attrs["accepted"]` of the frame says whether they are to be used.
+        Raises PackageMissing without pandas.
         """
         pandas = optional_package("pandas", needed_for="data frames")
         rows = [_row(one) for one in self.identification.estimates]
         names = pandas.Index(list(self), name="parameter")
-        return pandas.DataFrame(rows, index=names, columns=[*COLUMNS, *OF_VECTORS, "reason"])
+        frame = pandas.DataFrame(rows, index=names, columns=[*COLUMNS, *OF_VECTORS, "reason"])
+        frame.attrs["accepted"] = self.accepted
+        return frame
 
     def plot_bode(self, channels: list[str] | str | None = None) -> "Figure":
         """Plot measured and fitted 1× amplitude and phase of some channels over speed, with the fit's 95 % band."""
@@ -160,7 +169,7 @@ class Result(Struct, frozen=True, eq=False, dict=True):
         return train(self.machine)
 
     def plot_campbell(self) -> "Figure":
-        """Plot the Campbell diagram of the updated model."""
+        """Plot the Campbell diagram of the updated model. Raises NotAccepted."""
         return self.model.plot_campbell()
 
     def plot_orbit(self, speed_rpm: float) -> "Figure":
@@ -170,7 +179,10 @@ class Result(Struct, frozen=True, eq=False, dict=True):
         return orbits(self, speed_rpm)
 
     def plot_centreline(self) -> "Figure":
-        """Plot where each journal stands in its clearance over speed; for bearings described by their film."""
+        """Plot where each journal stands in its clearance over speed; for bearings described by their film.
+
+        Raises NotAccepted.
+        """
         from rotorundown.plots.centreline import centreline
 
         return centreline(self.model.updated)

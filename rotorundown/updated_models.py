@@ -23,6 +23,7 @@ def model(source: Result | Machine) -> Model:
 
     Raises:
         NotIdentified: The source is neither.
+        NotAccepted: The fit is not accepted.
         WrongMachine: The machine is a copy that contradicts itself.
         ValueError: The document does not say enough to expect anything.
     """

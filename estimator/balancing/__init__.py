@@ -1,4 +1,4 @@
-"""Balance grades, and field balancing by influence coefficients: measured by trial runs, taken from a model or from both,
-corrections in planes with holes or blades, and the check run after them. It imports `updated_model`, `fit`, `machine`,
-`phasors` and `rotor`; the command `rundown balance`, the API and `service/balancing` call it.
+"""Balance grades, and balancing by influence coefficients, of an identified model, measured by trial runs or both: corrections in
+planes with holes or blades, and the check run after them. It imports `updated_model`, `fit`, `machine`, `phasors` and
+`rotor`; the library, `rundown balance` and `rundown model`, the API, reports and `service/balancing` call it.
 """

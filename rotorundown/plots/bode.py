@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from rotorundown.plots.canvas import FITTED, MEASURED, channel_numbers, figure
-from rotorundown.plots.fitted_curve import FittedPhasors, fitted_curve
+from rotorundown.plots.fitted_curve import FittedPhasors, fit_label, fitted_curve
 from rotorundown.plots.protocols import PlottedResult
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def _draw_channel(above: Any, below: Any, result: PlottedResult, curve: FittedPh
         above.plot(run.speed_rpm, run.amplitude_um_pp[:, number], ".", ms=3, color=MEASURED, label=run.name)
         below.plot(run.speed_rpm, run.phase_lag_deg[:, number], ".", ms=3, color=MEASURED)
     lag = -np.degrees(np.angle(curve.value[:, number])) % 360.0
-    above.plot(curve.speed_rpm, np.abs(curve.value[:, number]), color=FITTED, label="fit")
+    above.plot(curve.speed_rpm, np.abs(curve.value[:, number]), color=FITTED, label=fit_label(result))
     above.fill_between(curve.speed_rpm, curve.lower[:, number], curve.upper[:, number], color=FITTED, alpha=0.25, lw=0)
     below.plot(curve.speed_rpm, _without_wraps(lag), color=FITTED)
     above.set_title(result.machine.channels[number])

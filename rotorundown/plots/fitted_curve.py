@@ -51,3 +51,8 @@ def fitted_curve(result: PlottedResult, speed_rpm: Floats | None = None) -> Fitt
     return FittedPhasors(
         speed / RAD_PER_S["rpm"], band.value / MICROMETRES_PP, band.lower / MICROMETRES_PP, band.upper / MICROMETRES_PP
     )
+
+
+def fit_label(result: PlottedResult) -> str:
+    """Return what a plot calls the fit: one that is not accepted says so."""
+    return "fit" if result.accepted else "fit, NOT ACCEPTED"

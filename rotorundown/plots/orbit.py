@@ -7,7 +7,7 @@ import numpy as np
 from estimator.errors import Invalid
 from estimator.phasors.probe_axes import probe_stations
 from rotorundown.plots.canvas import FITTED, figure
-from rotorundown.plots.fitted_curve import fitted_curve
+from rotorundown.plots.fitted_curve import fit_label, fitted_curve
 from rotorundown.plots.protocols import PlottedResult
 
 if TYPE_CHECKING:
@@ -51,5 +51,5 @@ def orbits(result: PlottedResult, speed_rpm: float) -> "Figure":
         plot.set_title(", ".join(station.channels))
         plot.set_xlabel("x [µm]")
     axes[0, 0].set_ylabel("y [µm]")
-    drawn.suptitle(f"1× at {speed_rpm:.0f} r/min; dot: keyphasor")
+    drawn.suptitle(f"1× at {speed_rpm:.0f} r/min, {fit_label(result)}; dot: keyphasor")
     return drawn

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Complexes
 from rotorundown.plots.canvas import FITTED, MEASURED, channel_numbers, figure
-from rotorundown.plots.fitted_curve import fitted_curve
+from rotorundown.plots.fitted_curve import fit_label, fitted_curve
 from rotorundown.plots.protocols import PlottedResult
 
 if TYPE_CHECKING:
@@ -45,6 +45,8 @@ def polar(result: PlottedResult, channels: Sequence[str] | None = None) -> "Figu
         plot.set_title(result.machine.channels[number])
     for unused in axes.flat[len(numbers) :]:
         unused.remove()
+    if not result.accepted:
+        drawn.suptitle(fit_label(result))
     return drawn
 
 

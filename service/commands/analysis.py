@@ -199,12 +199,12 @@ def model(
     if not result.accepted:
         raise typer.Exit(1)
     try:
-        updated = updated_model(described, result)
+        model = Model(updated_model(described, result))
         with threadpoolctl.threadpool_limits(1), working("computing the model's results"):
             if as_json:
-                content = model_content(Model(updated), service_rpm=speed, grade=grade)
+                content = model_content(model, service_rpm=speed, grade=grade)
             else:
-                text = model_text(updated, service_rpm=speed, grade=grade)
+                text = model_text(model, service_rpm=speed, grade=grade)
     except ValueError as error:
         fail(str(error))
     if as_json:

@@ -51,7 +51,6 @@ def misaligned(machine: Machine, calibrated: Machine) -> list[rd.Result]:
     return [rd.identify(calibrated, run) for run in runs]
 
 
-@pytest.mark.long
 def test_healthy_runs_fit_the_calibration(healthy: list[rd.Result]) -> None:
     assert all(one.accepted and CHANGED not in one.verdict for one in healthy), [one.verdict for one in healthy]
     away = [float(one) for result in healthy for one in re.findall(r"furthest from it, by ([\d.]+)", result.verdict)]

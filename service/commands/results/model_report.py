@@ -8,36 +8,33 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.balancing.balance_quality import balance_grades
 from estimator.balancing.model_balancing import balance
-from estimator.modes.critical_speed import CriticalSpeed, critical_speed_table
+from estimator.modes.critical_speed import CriticalSpeed
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.amplification import amplification
+from estimator.updated_model.amplification import SeparationMargin
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.impact_comparison import compare_impact_test, measured_frequencies
 from estimator.updated_model.modal_uncertainty import critical_speed_errors
 from estimator.updated_model.model import UpdatedModel
+from rotorundown.machine_model import Model
 from service.commands.results.film_report import identified_films, identified_stability
-
-HIGHEST_ABOVE_TRIP = 1.25
-"""Highest speed of the search for critical speeds, as a multiple of the speed range's end."""
+from service.commands.results.response_peaks import response_peaks
 
 
-def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
+def model_text(model: Model, *, service_rpm: float, grade: float) -> str:
     """Return the report. service_rpm: the machine's service speed [r/min]; grade: required balance quality G [mm/s].
 
     Raises ValueError for a speed or grade that is not positive.
     """
-    speed = rpm_to_rad_per_s(service_rpm)
-    highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
-    critical = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+    updated, speed = model.updated, rpm_to_rad_per_s(service_rpm)
     parts = (
-        identified_films(model),
-        identified_stability(model),
-        _critical_speeds(model, critical),
-        _peaks(model, critical, speed, highest),
-        _coupling_loads(model, speed),
-        _balance(model, grade, speed),
-        _correction(model, speed),
-        impact_test_lines(model),
+        identified_films(updated),
+        identified_stability(updated),
+        _critical_speeds(updated, model.critical_speeds().si),
+        _peaks(response_peaks(model, service_rpm=service_rpm)),
+        _coupling_loads(updated, speed),
+        _balance(updated, grade, speed),
+        _correction(updated, speed),
+        impact_test_lines(updated),
     )
     return "\n\n".join("\n".join(part) for part in map(list, parts) if part)
 
@@ -49,26 +46,16 @@ def _critical_speeds(model: UpdatedModel, found: tuple[CriticalSpeed, ...]) -> I
         yield f"  {rpm:<18} {one.log_decrement:6.3f} {one.whirl:+6.2f}"
 
 
-def _peaks(model: UpdatedModel, critical: tuple[CriticalSpeed, ...], speed: float, highest: float) -> Iterator[str]:
+def _peaks(found: list[tuple[str, SeparationMargin]]) -> Iterator[str]:
     yield "Response peaks: channel, speed [r/min], amplification factor, separation margin and what API 684 asks [%]"
-    margins = amplification(
-        model,
-        places=model.machine.probes,
-        lowest=rpm_to_rad_per_s(model.machine.speed_range.minimum_rpm),
-        highest=highest,
-        minimum_speed=speed,
-        maximum_continuous_speed=speed,
-        crossings=np.array([one.eigenvalue for one in critical], dtype=complex),
-    )
-    for channel, peaks in zip(model.machine.channels, margins, strict=True):
-        for one in peaks:
-            factor = one.peak.amplification_factor
-            asked = "none asked" if one.required is None else f"{one.required:.1f} asked"
-            verdict = {True: "met", False: "NOT MET", None: "open"}[one.met]
-            yield (
-                f"  {channel:<12} {rad_per_s_to_rpm(one.peak.speed):7.0f} "
-                f"{'-' if factor is None else f'{factor:.1f}':>6} {one.actual:6.1f}, {asked}, {verdict}"
-            )
+    for channel, one in found:
+        factor = one.peak.amplification_factor
+        asked = "none asked" if one.required is None else f"{one.required:.1f} asked"
+        verdict = {True: "met", False: "NOT MET", None: "open"}[one.met]
+        yield (
+            f"  {channel:<12} {rad_per_s_to_rpm(one.peak.speed):7.0f} "
+            f"{'-' if factor is None else f'{factor:.1f}':>6} {one.actual:6.1f}, {asked}, {verdict}"
+        )
 
 
 def _coupling_loads(model: UpdatedModel, speed: float) -> Iterator[str]:

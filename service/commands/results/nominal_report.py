@@ -6,7 +6,7 @@ import numpy as np
 
 from rotorundown.machine_model import Model
 from service.commands.results.model_report import impact_test_lines
-from service.commands.results.result_content import critical_speed_content, model_content
+from service.commands.results.result_content import critical_speed_content, impact_test_content, model_content
 
 
 def nominal_text(model: Model, *, service_rpm: float, grade: float) -> str:
@@ -43,7 +43,14 @@ def nominal_content(model: Model, *, service_rpm: float, grade: float) -> dict[s
         },
         "modes": list(model.modes(service_rpm)),
     }
-    return found | (model_content(model, service_rpm=service_rpm, grade=grade) if _is_excited(model) else {})
+    if not _is_excited(model):
+        return found | impact_test_content(model)
+    at = model.response(service_rpm)
+    response = [
+        {"channel": channel, "um_pp": amplitude, "lag_deg": lag}
+        for channel, amplitude, lag in zip(at.channels, at.amplitude_um_pp[0], at.phase_lag_deg[0], strict=True)
+    ]
+    return found | {"response": response} | model_content(model, service_rpm=service_rpm, grade=grade)
 
 
 def origin_words(model: Model) -> str:

@@ -17,8 +17,10 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm
+from estimator.updated_model.impact_comparison import compare_impact_test, measured_frequencies
 from estimator.updated_model.uncertainty import PhasorBand
 from rotorundown.machine_model import Model
+from service.commands.results.response_peaks import response_peaks
 
 GRAM_MILLIMETRES = 1e6
 """g mm per kg m."""
@@ -79,7 +81,7 @@ def since_content(since: UnbalanceSince, scale: DiscScale, *, direction: int) ->
 
 
 def model_content(model: Model, *, service_rpm: float, grade: float) -> dict[str, Any]:
-    """Return critical speeds, coupling loads, residual unbalance and correction at a service speed [r/min]."""
+    """Return critical speeds, peaks of the response, coupling loads, residual unbalance and correction at a speed [r/min]."""
     loads, correction = model.coupling_loads(service_rpm).si, model.balance(service_rpm).si
     return {
         "machine": model.machine.id,
@@ -108,7 +110,36 @@ def model_content(model: Model, *, service_rpm: float, grade: float) -> dict[str
             {"disc": disc, **_vector(complex(value))}
             for disc, value in zip(correction.planes, correction.unbalance, strict=True)
         ],
+        "response_peaks": [
+            {
+                "channel": channel,
+                "rpm": rad_per_s_to_rpm(one.peak.speed),
+                "amplification_factor": one.peak.amplification_factor,
+                "separation_margin_per_cent": one.actual,
+                "api_684_required_per_cent": one.required,
+                "met": one.met,
+            }
+            for channel, one in response_peaks(model, service_rpm=service_rpm)
+        ],
+        **impact_test_content(model),
     }
+
+
+def impact_test_content(model: Model) -> dict[str, Any]:
+    """Return the frequencies of the document's impact test beside those of a model; nothing where there is no test."""
+    if model.machine.impact_test is None:
+        return {}
+    found = compare_impact_test(model.updated, measured_frequencies(model.machine.impact_test))
+    compared = [
+        {
+            "measured_hz": one.measured.frequency,
+            "model_hz": one.model,
+            "deviation": one.deviation,
+            "standard_deviations": one.standard_deviations,
+        }
+        for one in found.compared
+    ]
+    return {"impact_test": {"compared": compared, "unmatched_hz": [one.frequency for one in found.unmatched]}}
 
 
 def critical_speed_content(model: Model) -> list[dict[str, float]]:

@@ -60,7 +60,6 @@ def test_a_shaft_that_has_moved_far_is_found_where_it_stands() -> None:
     assert offset.error < 20e-6
 
 
-@pytest.mark.long
 def test_from_the_last_identification_alone_films_would_make_up_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     def not_moved(_problem: FitProblem, found: FitResult, _beginning: object) -> FitResult:
         return found

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import typer.main
+import yaml
 from typer.testing import CliRunner
 
 import rotorundown as rd
@@ -21,6 +22,7 @@ from storage.database.engine import Database
 from storage.machines import machines
 from tests.paths import EXAMPLES
 from tests.plant import machine
+from tests.service.commands.command_line import run
 
 PUMP = str(EXAMPLES / "motor-pump.yaml")
 WITHOUT_RESULT = {"serve", "worker", "router", "simulate", "replay", "edge", "init", "document"}
@@ -100,6 +102,24 @@ def test_a_model(recordings: tuple[str, str]) -> None:
     assert (load["coupling"], load["load"], load["unit"]) == ("C1", "force_x", "N")
     assert {one["bearing"] for one in found["residual_unbalance"]} == {"B1", "B2", "B3", "B4"}
     assert found["correction_at_service_speed"][0]["g_mm"] > 0.0
+    peaks = found["response_peaks"]
+    assert {one["channel"] for one in peaks} <= set(rd.read_machine(PUMP).channels)
+    printed_peaks = [line.split() for line in run("model", PUMP, recordings[0], "--service-rpm", "1450").splitlines()]
+    for one in peaks:
+        assert [one["channel"], f"{one['rpm']:.0f}"] in [line[:2] for line in printed_peaks]
+    assert {one["met"] for one in peaks} <= {True, False, None}
+
+
+def test_an_impact_test_beside_the_model(tmp_path: Path) -> None:
+    document = yaml.safe_load(Path(PUMP).read_text())
+    document["impact_test"] = {"frequencies_hz": [34.0, 400.0]}
+    path = tmp_path / "tested.yaml"
+    path.write_text(yaml.safe_dump(document))
+    found = printed("model", str(path))["impact_test"]
+    assert [one["measured_hz"] for one in found["compared"]] == [34.0]
+    assert found["unmatched_hz"] == [400.0]
+    (compared,) = found["compared"]
+    assert compared["deviation"] == pytest.approx(compared["model_hz"] / 34.0 - 1.0)
 
 
 def test_a_model_of_the_document_alone() -> None:
@@ -112,6 +132,8 @@ def test_a_model_of_the_document_alone() -> None:
     assert len(curves["speed_rpm"]) == len(curves["modes"][0]["frequency_cpm"])
     assert found["modes"][0]["speed_rpm"] == 1450.0
     assert found["coupling_loads"], "by the unbalances that the document states"
+    response = rd.model(rd.read_machine(PUMP)).response(1450)
+    assert [one["um_pp"] for one in found["response"]] == pytest.approx(list(response.amplitude_um_pp[0]))
 
 
 def test_a_comparison_and_slow_roll(recordings: tuple[str, str]) -> None:

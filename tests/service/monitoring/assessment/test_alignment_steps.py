@@ -87,7 +87,6 @@ def test_one_run_is_not_enough_and_growth_by_itself_is_no_step() -> None:
     assert diagnosed(context(growing)).causes == ()
 
 
-@pytest.mark.long
 def test_it_stays_open_while_it_stands_and_goes_when_it_is_taken_back() -> None:
     standing = diagnosed(context([GROWN] * 4 + [STEPPED] * 6, step_open_since=4))
     assert [(one.cause.kind, one.cause.element) for one in standing.causes] == [MISALIGNED]
